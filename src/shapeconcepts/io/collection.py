@@ -1,0 +1,184 @@
+"""Reads many scans: files, folders, and folders of category folders."""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+from typing import NamedTuple, TypedDict, Unpack
+
+from shapeconcepts.io.depth_image import Intrinsics
+from shapeconcepts.io.reader import SCAN_SUFFIXES, Viewpoint, read_scan
+from shapeconcepts.scan import Scan, ScanError
+
+Source = str | PathLike[str] | Iterable[str | PathLike[str]]
+
+
+class ScanWarning(UserWarning):
+    """Some scans could not be read."""
+
+
+class ReadOptions(TypedDict, total=False):
+    """Parameters of `read_scan` that hold for all files."""
+
+    viewpoint: Viewpoint
+    intrinsics: Intrinsics | None
+    depth_scale: float
+
+
+class ScanFile(NamedTuple):
+    """A file to read, and the name and label that its scan gets."""
+
+    path: Path
+    name: str
+    label: str | None
+
+
+class ScanList(list[Scan]):
+    """A list of scans that also knows which files could not be read.
+
+    Attributes
+    ----------
+    skipped : list of ScanError
+        One for each file that is missing from the list; the message names the file and the reason.
+    """
+
+    def __init__(self, scans: Iterable[Scan] = (), skipped: Iterable[ScanError] = ()) -> None:
+        super().__init__(scans)
+        self.skipped = list(skipped)
+
+
+def find_scan_files(source: Source) -> list[ScanFile]:
+    """List what `read_scans` reads, in its order, without opening a file.
+
+    Parameters
+    ----------
+    source : path or iterable of paths
+        Files and folders. A folder gives all files below it with a known suffix, hidden ones left out, in
+        natural order (2 before 10). Files in its sub-folders get the sub-folder's name as their label.
+
+    Returns
+    -------
+    list of ScanFile
+        A file from a folder is named by its path inside that folder, any other by the given path.
+
+    Raises
+    ------
+    ScanError
+        If a folder cannot be listed or holds no scan, or no source is given.
+    """
+    paths = [source] if isinstance(source, str | PathLike) else list(source)
+    if not paths:
+        raise ScanError("no file or folder to read scans from is given")
+    files: list[ScanFile] = []
+    for path in map(Path, paths):
+        files += _files_below(path) if path.is_dir() else [ScanFile(path, str(path), None)]
+    return files
+
+
+def iter_scans(files: Iterable[ScanFile], **options: Unpack[ReadOptions]) -> Iterator[Scan | ScanError]:
+    """Read files one after the other; a file that cannot be read gives its error instead of a scan.
+
+    Parameters
+    ----------
+    files : iterable of ScanFile
+        As `find_scan_files` lists them.
+    **options
+        `viewpoint`, `intrinsics` and `depth_scale` of `read_scan`.
+
+    Yields
+    ------
+    Scan or ScanError
+        One for each file, in the same order.
+    """
+    for file in files:
+        try:
+            yield replace(read_scan(file.path, **options), name=file.name, label=file.label)
+        except ScanError as error:
+            yield error
+
+
+def read_scans(source: Source, *, strict: bool = False, **options: Unpack[ReadOptions]) -> ScanList:
+    """Read all scans in files, in a folder, or in a folder of category folders.
+
+    Parameters
+    ----------
+    source : path or iterable of paths
+        Files and folders, see `find_scan_files`. Names of sub-folders become the labels.
+    strict : bool
+        Raise at the first file that cannot be read. By default such files are left out, listed in
+        `ScanList.skipped`, and one ScanWarning tells so.
+    **options
+        `viewpoint`, `intrinsics` and `depth_scale` of `read_scan`.
+
+    Returns
+    -------
+    ScanList
+        The scans, in natural order of their files.
+
+    Raises
+    ------
+    ScanError
+        If there is nothing to read, no file can be read, or with `strict` one cannot.
+    """
+    scans = ScanList()
+    files = find_scan_files(source)
+    for result in iter_scans(files, **options):
+        if isinstance(result, Scan):
+            scans.append(result)
+        elif strict:
+            raise result
+        else:
+            scans.skipped.append(result)
+    if not scans:
+        others = f" (and {len(files) - 1} other files cannot be read either)" if len(files) > 1 else ""
+        raise ScanError(f"{scans.skipped[0]}{others}")
+    if scans.skipped:
+        reasons = [str(error) for error in scans.skipped[:3]]
+        more = ["..."] if len(scans.skipped) > 3 else []
+        warnings.warn(
+            f"{len(scans.skipped)} of {len(files)} scans are left out: " + "; ".join(reasons + more),
+            ScanWarning,
+            stacklevel=2,
+        )
+    return scans
+
+
+def _files_below(folder: Path) -> list[ScanFile]:
+    files = []
+    for path in sorted(_walk(folder), key=lambda path: _natural_order(path.relative_to(folder))):
+        inside = path.relative_to(folder)
+        files.append(ScanFile(path, inside.as_posix(), inside.parts[0] if len(inside.parts) > 1 else None))
+    if not files:
+        raise ScanError(f"{folder}: holds no scans, that is no files {' '.join(SCAN_SUFFIXES)}")
+    return files
+
+
+def _walk(folder: Path) -> Iterator[Path]:
+    def fail(error: OSError) -> None:
+        raise ScanError(f"{error.filename}: cannot be listed ({error.strerror})") from None
+
+    # Linked folders count, but not when they lead back to where one comes from.
+    seen: set[str] = set()
+    for place, folders, names in os.walk(folder, onerror=fail, followlinks=True):
+        seen.add(os.path.realpath(place))
+        folders[:] = sorted(
+            name
+            for name in folders
+            if not name.startswith(".") and os.path.realpath(os.path.join(place, name)) not in seen
+        )
+        for name in names:
+            if not name.startswith(".") and Path(name).suffix.lower() in SCAN_SUFFIXES:
+                yield Path(place, name)
+
+
+def _natural_order(path: Path) -> list[tuple[list[tuple[int, str]], str]]:
+    """Sort key in which numbers within names compare as numbers, and equal ones by their text."""
+    return [
+        ([(int(piece), "") if piece.isdecimal() else (-1, piece) for piece in re.split(r"(\d+)", part)], part)
+        for part in path.parts
+    ]

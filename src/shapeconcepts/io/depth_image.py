@@ -1,0 +1,103 @@
+"""Reads depth images: PNG with one channel of 16 bits."""
+
+from __future__ import annotations
+
+import struct
+from io import BytesIO
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from shapeconcepts.io.cloud import Cloud
+from shapeconcepts.scan import ScanError
+
+# Focal lengths and principal point of a Kinect, pixels (the factory values that ROS and PCL assume).
+KINECT_INTRINSICS = (525.0, 525.0, 319.5, 239.5)
+KINECT_SIZE = (640, 480)
+# More pixels than any depth camera has.
+MOST_PIXELS = 2**24
+
+Intrinsics = tuple[float, float, float, float]
+Mask = ArrayLike | str | PathLike[str]
+
+
+def check_camera(intrinsics: Intrinsics | None, depth_scale: float) -> None:
+    """Raise ValueError where a parameter is out of range."""
+    if intrinsics is not None:
+        values = np.asarray(intrinsics, dtype=np.float64)
+        if values.shape != (4,) or not np.isfinite(values).all() or not (values[:2] > 0.0).all():
+            raise ValueError(
+                "intrinsics must be 4 finite numbers (fx, fy, cx, cy) in pixels, fx and fy > 0, "
+                f"got {intrinsics!r}"
+            )
+    if not 0.0 < depth_scale < np.inf:
+        raise ValueError(f"depth_scale must be metres per unit of depth, > 0, got {depth_scale!r}")
+
+
+def read_depth_image(
+    data: bytes, intrinsics: Intrinsics | None, mask: Mask | None, depth_scale: float
+) -> Cloud:
+    """Cloud of the pixels that have a depth and lie in the mask, row by row; ScanError says what is wrong.
+
+    Points are in the camera frame (x right, y down, z forward), and the camera is the viewpoint.
+    """
+    width, height = _size(data)
+    if intrinsics is None:
+        if (width, height) != KINECT_SIZE:
+            raise ScanError(f"is {width} x {height} pixels; intrinsics are needed for all but 640 x 480")
+        intrinsics = KINECT_INTRINSICS
+    depth = _pixels(BytesIO(data)).astype(np.float64) * depth_scale
+    measured = depth > 0.0
+    if mask is not None:
+        measured &= _mask(mask, (height, width))
+    rows, columns = np.nonzero(measured)
+    if len(rows) == 0:
+        raise ScanError(
+            "has no pixel with a depth" if mask is None else "has no pixel with a depth in its mask"
+        )
+    fx, fy, cx, cy = intrinsics
+    z = depth[rows, columns]
+    return Cloud(np.column_stack([(columns - cx) / fx * z, (rows - cy) / fy * z, z]), np.zeros(3))
+
+
+def _size(data: bytes) -> tuple[int, int]:
+    """Width and height from the PNG header, before a library allocates them."""
+    if len(data) < 33 or not data.startswith(b"\x89PNG\r\n\x1a\n") or data[12:16] != b"IHDR":
+        raise ScanError("is not a PNG image")
+    width, height, bits, colour = struct.unpack_from(">IIBB", data, 16)
+    if (bits, colour) != (16, 0):
+        raise ScanError("is not a depth image: one channel of 16 bits is expected")
+    if width * height > MOST_PIXELS:
+        raise ScanError(f"is {width} x {height} pixels, at most {MOST_PIXELS} are supported")
+    return width, height
+
+
+def _pixels(source: BytesIO | Path, shape: tuple[int, int] | None = None) -> NDArray:
+    from PIL import Image
+
+    try:
+        with Image.open(source, formats=["PNG"] if shape is None else None) as image:
+            if shape is not None and image.size != shape[::-1]:
+                raise ScanError(
+                    f"is {image.width} x {image.height} pixels, the depth image {shape[1]} x {shape[0]}"
+                )
+            return np.asarray(image)
+    except ScanError:
+        raise
+    except Exception as error:  # Pillow raises SyntaxError, OSError, ValueError and others
+        raise ScanError(f"is no image that can be read ({error})") from None
+
+
+def _mask(mask: Mask, shape: tuple[int, int]) -> NDArray[np.bool_]:
+    if isinstance(mask, str | PathLike):
+        try:
+            values = _pixels(Path(mask), shape)
+        except ScanError as error:
+            raise ScanError(f"the mask {Path(mask)} {error}") from None
+    else:
+        values = np.asarray(mask)
+    if values.shape != shape:
+        raise ScanError(f"the mask must be one channel of shape {shape}, got {values.shape}")
+    return values != 0

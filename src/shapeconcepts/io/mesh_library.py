@@ -1,0 +1,54 @@
+"""Reads STL and GLB meshes through trimesh.
+
+trimesh leaves out what it cannot read, so what a file announces is counted before and compared after.
+"""
+
+from __future__ import annotations
+
+import re
+from io import BytesIO
+
+import numpy as np
+
+from shapeconcepts.io.glb import check_glb
+from shapeconcepts.io.mesh import Mesh
+from shapeconcepts.scan import ScanError
+
+
+def read_stl(data: bytes) -> Mesh:
+    """Mesh from a binary or ASCII STL file; ScanError says what is wrong with it."""
+    if len(data) >= 84 and len(data) == 84 + 50 * int.from_bytes(data[80:84], "little"):
+        return _load(data, "stl", int.from_bytes(data[80:84], "little"))
+    if not re.match(rb"\s*solid\b", data, re.I):
+        raise ScanError("is not an STL file, or truncated")
+    if not re.search(rb"^\s*endsolid\b[^\n]*\s*\Z", data[-1000:], re.M | re.I):
+        raise ScanError("is truncated: an ASCII STL file ends with endsolid")
+    # One nameless solid: every solid costs a mesh of its own, and names may hold keywords and any encoding.
+    facets = re.sub(rb"^[ \t]*(?:end)?solid\b[^\n]*$", b"", data, flags=re.M | re.I)
+    n_faces = len(re.findall(rb"^[ \t]*facet\b", facets, re.M | re.I))
+    return _load(b"solid\n" + facets + b"\nendsolid\n", "stl", n_faces)
+
+
+def read_glb(data: bytes) -> Mesh:
+    """Mesh of all objects of the scene in a binary glTF file, turned so that z is up (in glTF it is y).
+
+    ScanError says what is wrong with it.
+    """
+    check_glb(data)
+    mesh = _load(data, "glb", 1)
+    x, y, z = mesh.vertices.T
+    return Mesh(np.column_stack([x, -z, y]), mesh.faces)
+
+
+def _load(data: bytes, file_type: str, n_faces: int) -> Mesh:
+    import trimesh
+
+    try:
+        loaded = trimesh.load_mesh(BytesIO(data), file_type=file_type, process=False, skip_materials=True)
+        mesh = Mesh(np.array(loaded.vertices, dtype=np.float64), np.array(loaded.faces, dtype=np.int64))
+    except Exception as error:  # trimesh raises whatever its parsing runs into
+        reason = str(error) or type(error).__name__
+        raise ScanError(f"is no {file_type.upper()} mesh that can be read ({reason})") from None
+    if len(mesh.faces) < n_faces:
+        raise ScanError(f"is damaged: {len(mesh.faces)} of {n_faces} faces can be read")
+    return mesh

@@ -1,0 +1,97 @@
+"""Reads NumPy files: NPY, and NPZ with the arrays `points`, `viewpoint` and `labels`."""
+
+from __future__ import annotations
+
+import zipfile
+from io import BytesIO
+from math import prod
+
+import numpy as np
+from numpy.lib import format as npy_format
+from numpy.typing import NDArray
+
+from shapeconcepts.io.cloud import LABEL_NAMES, Cloud, whole_numbers
+from shapeconcepts.io.viewpoint import camera_frame_viewpoint, declared_viewpoint
+from shapeconcepts.scan import ScanError
+
+# Point clouds hardly shrink below a tenth; an archive that unpacks to much more is made to fill the memory.
+LARGEST_GROWTH = 100
+SMALL_ENOUGH = 2**20
+
+
+def read_npy(data: bytes) -> Cloud:
+    """Cloud from an array of shape (n, 3 or more); ScanError says what is wrong with it."""
+    points = _points(_array(data))
+    return Cloud(points, camera_frame_viewpoint(points))
+
+
+def read_npz(data: bytes) -> Cloud:
+    """Cloud from an archive with the array `points`, optionally `viewpoint` and `labels`.
+
+    ScanError says what is wrong with it. A given viewpoint is believed where it is outside of the cloud.
+    """
+    try:
+        archive = zipfile.ZipFile(BytesIO(data))
+    except Exception as error:  # zipfile raises struct.error, ValueError and others beside BadZipFile
+        raise ScanError(f"is not an NPZ archive ({error})") from None
+    arrays = {
+        name: _array(_member(archive, f"{name}.npy"))
+        for name in ("points", "viewpoint", *LABEL_NAMES)
+        if f"{name}.npy" in archive.namelist()
+    }
+    if "points" not in arrays:
+        raise ScanError(f"has no array points, only {', '.join(archive.namelist()[:10]) or 'nothing'}")
+    points = _points(arrays["points"])
+    if "viewpoint" in arrays:
+        position = arrays["viewpoint"]
+        if position.shape != (3,):
+            raise ScanError(f"the array viewpoint must have the shape (3,), got {position.shape}")
+        viewpoint = declared_viewpoint(points, position.astype(np.float64))
+    else:
+        viewpoint = camera_frame_viewpoint(points)
+    labels = next((arrays[name] for name in LABEL_NAMES if name in arrays), None)
+    if labels is not None and labels.shape != (len(points),):
+        raise ScanError(f"the labels must have the shape ({len(points)},), got {labels.shape}")
+    return Cloud(points, viewpoint, None if labels is None else whole_numbers(labels))
+
+
+def _array(data: bytes) -> NDArray:
+    """Array of numbers in the bytes of an NPY file. np.load allocates before it looks into the file."""
+    stream = BytesIO(data)
+    try:
+        version = npy_format.read_magic(stream)
+        read_header = (
+            npy_format.read_array_header_1_0 if version == (1, 0) else npy_format.read_array_header_2_0
+        )
+        shape, by_column, dtype = read_header(stream)
+    except Exception as error:  # the header is a Python literal, which can fail in any way
+        raise ScanError(f"is not an NPY file ({error})") from None
+    if dtype.kind not in "fiub":
+        raise ScanError(f"holds an array of {dtype}, numbers are expected")
+    offset = stream.tell()
+    if min(shape, default=0) < 0 or prod(shape) * dtype.itemsize > len(data) - offset:
+        raise ScanError(f"is truncated: the header promises an array {shape} of {dtype}, the file is smaller")
+    return np.frombuffer(data, dtype, prod(shape), offset).reshape(shape, order="F" if by_column else "C")
+
+
+def _points(array: NDArray) -> NDArray[np.float64]:
+    if array.ndim != 2 or array.shape[1] < 3:
+        raise ScanError(f"holds an array of shape {array.shape}, (n, 3) is expected")
+    with np.errstate(over="ignore"):
+        return np.ascontiguousarray(array[:, :3], dtype=np.float64)
+
+
+def _member(archive: zipfile.ZipFile, name: str) -> bytes:
+    info = archive.getinfo(name)
+    if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise ScanError(f"{name} is compressed in a way that NPZ files are not")
+    if info.file_size > max(LARGEST_GROWTH * info.compress_size, SMALL_ENOUGH):
+        raise ScanError(f"{name} says it unpacks from {info.compress_size} to {info.file_size} bytes")
+    try:
+        with archive.open(info) as stream:
+            content = stream.read(info.file_size)
+    except Exception as error:  # zipfile and zlib have errors of their own
+        raise ScanError(f"{name} is damaged ({error})") from None
+    if len(content) != info.file_size:
+        raise ScanError(f"{name} is truncated: {len(content)} of {info.file_size} bytes")
+    return content

@@ -1,0 +1,90 @@
+"""From a scan to voxels with normals."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts.neighbours import radius_neighbours
+from shapeconcepts.preparation.normal_kernels import principal_component_normals
+from shapeconcepts.preparation.prepared_object import PreparedObject
+from shapeconcepts.preparation.sensor_direction import estimate_viewpoint, orient_normals
+from shapeconcepts.preparation.stray_points import stray_points
+from shapeconcepts.preparation.voxel_grid import VoxelGrid, adaptive_voxel_grid, voxel_grid
+from shapeconcepts.scan import Scan, ScanError
+
+NORMAL_RADIUS = 3.0
+
+
+def prepare(scan: Scan, *, voxel_size: float | str = "auto") -> PreparedObject:
+    """Average a scan over a voxel grid, drop stray points, and estimate normals.
+
+    Normals come from a principal component analysis over a radius of 3 voxels. They point towards the sensor; where
+    its position is unknown, towards where it most likely was (see `estimate_viewpoint`), and the object's `viewpoint`
+    stays None.
+
+    Parameters
+    ----------
+    scan : Scan
+    voxel_size : float or "auto"
+        Edge length of the voxels, metres. "auto": 5 mm, more where the points are sparser (see
+        `adaptive_voxel_grid`).
+
+    Returns
+    -------
+    PreparedObject
+
+    Raises
+    ------
+    ScanError
+        If the scan has no finite point, or its coordinates are too large to compute with.
+    ValueError
+        If `voxel_size` is neither "auto" nor a positive number.
+    """
+    check_voxel_size(voxel_size)
+    finite = np.isfinite(scan.points).all(axis=1)
+    points = scan.points[finite]
+    name = scan.name or "scan"
+    if len(points) == 0:
+        raise ScanError(f"{name}: none of its {len(finite)} points is finite")
+    if np.abs(points).max() > 1e9:
+        raise ScanError(
+            f"{name}: coordinates up to {np.abs(points).max():.3g}, expected metres (at most 1e9)"
+        )
+    grid = adaptive_voxel_grid(points) if isinstance(voxel_size, str) else voxel_grid(points, voxel_size)
+    neighbours = radius_neighbours(grid.points, NORMAL_RADIUS * grid.voxel_size)
+    stray = stray_points(neighbours)
+    if stray.any():
+        points = points[~stray[grid.point_to_voxel]]
+        finite[finite] = ~stray[grid.point_to_voxel]
+        grid = _without(grid, stray)
+        neighbours = radius_neighbours(grid.points, NORMAL_RADIUS * grid.voxel_size)
+    normals = principal_component_normals(grid.points, neighbours.indptr, neighbours.indices)
+    viewpoint = scan.viewpoint
+    if viewpoint is None:
+        viewpoint, _ = estimate_viewpoint(points, grid.points, normals)
+    point_to_voxel = np.full(len(scan.points), -1, np.int32)
+    point_to_voxel[finite] = grid.point_to_voxel
+    return PreparedObject(
+        points=grid.points,
+        normals=orient_normals(grid.points, normals, viewpoint),
+        point_to_voxel=point_to_voxel,
+        voxel_size=grid.voxel_size,
+        viewpoint=scan.viewpoint,
+        name=scan.name,
+        label=scan.label,
+    )
+
+
+def check_voxel_size(voxel_size: float | str) -> None:
+    """Raise a ValueError unless `voxel_size` is "auto" or a positive number."""
+    if voxel_size == "auto":
+        return
+    if isinstance(voxel_size, str) or not (np.isfinite(voxel_size) and voxel_size > 0):
+        raise ValueError(f"voxel_size must be 'auto' or a positive number of metres, got {voxel_size!r}")
+
+
+def _without(grid: VoxelGrid, dropped: NDArray[np.bool_]) -> VoxelGrid:
+    row = np.cumsum(~dropped, dtype=np.int32) - 1
+    kept = grid.point_to_voxel[~dropped[grid.point_to_voxel]]
+    return VoxelGrid(grid.points[~dropped], row[kept], grid.voxel_size)

@@ -1,0 +1,37 @@
+"""What preparation makes of a scan: voxels with normals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedObject:
+    """A scan as voxel-grid points with unit normals.
+
+    Attributes
+    ----------
+    points : (m, 3) float64
+        Mean of the scan points in each voxel, metres, in the frame of the scan.
+    normals : (m, 3) float64
+        Unit normals, oriented towards the sensor.
+    point_to_voxel : (n,) int32
+        Row in `points` for each point of the scan, -1 for a dropped point.
+    voxel_size : float
+        Edge length of the voxels, metres.
+    viewpoint : (3,) float64 or None
+        Position of the sensor, None where it is not known.
+    name, label
+        As in the scan.
+    """
+
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    point_to_voxel: NDArray[np.int32]
+    voxel_size: float
+    viewpoint: NDArray[np.float64] | None = None
+    name: str = ""
+    label: str | None = None

@@ -1,0 +1,72 @@
+"""A scan: what a sensor saw of one object from one place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class ScanError(ValueError):
+    """A scan that cannot be used; the message names the file or scan and the reason."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """A single-view point cloud of an object.
+
+    Parameters
+    ----------
+    points : array-like of shape (n, 3)
+        Coordinates in metres. Non-finite rows are allowed; preparation drops them.
+    viewpoint : array-like of shape (3,), optional
+        Position of the sensor in the same frame. None where it is not known.
+    name : str
+        Where the scan comes from, used in messages and reports.
+    label : str, optional
+        Category of the object, for evaluation only. Learning never looks at it.
+    point_labels : array-like of int of shape (n,), optional
+        True surface part of each point, where the source holds it.
+
+    Raises
+    ------
+    ScanError
+        If the shapes do not fit, or the viewpoint is not finite.
+    """
+
+    points: NDArray[np.float64]
+    viewpoint: NDArray[np.float64] | None = None
+    name: str = ""
+    label: str | None = None
+    point_labels: NDArray[np.int64] | None = None
+
+    def __post_init__(self) -> None:
+        points = self._as_array("points", self.points, np.float64)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise ScanError(f"{self._title()}: points must have shape (n, 3), got {points.shape}")
+        object.__setattr__(self, "points", points)
+        if self.viewpoint is not None:
+            viewpoint = self._as_array("viewpoint", self.viewpoint, np.float64)
+            if viewpoint.shape != (3,) or not np.isfinite(viewpoint).all():
+                raise ScanError(f"{self._title()}: viewpoint must be 3 finite numbers, got {self.viewpoint!r}")
+            object.__setattr__(self, "viewpoint", viewpoint)
+        if self.point_labels is not None:
+            point_labels = self._as_array("point_labels", self.point_labels, np.int64)
+            if point_labels.shape != (len(points),):
+                raise ScanError(
+                    f"{self._title()}: point_labels must have shape ({len(points)},), got {point_labels.shape}"
+                )
+            object.__setattr__(self, "point_labels", point_labels)
+
+    def _title(self) -> str:
+        return self.name or "scan"
+
+    def _as_array(self, field: str, value: object, dtype: type) -> NDArray:
+        try:
+            return np.ascontiguousarray(value, dtype=dtype)
+        except (TypeError, ValueError) as error:
+            raise ScanError(f"{self._title()}: {field} must be numbers ({error})") from None
+
+    def __len__(self) -> int:
+        return len(self.points)

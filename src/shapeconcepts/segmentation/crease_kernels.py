@@ -1,0 +1,197 @@
+"""Kernels that measure creases along the borders of regions, and sharpen the borders."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from shapeconcepts.segmentation.surface_fit_kernels import fit_surface
+
+
+@njit(cache=True)
+def border_pairs(
+    points: NDArray[np.float64],
+    indptr: NDArray[np.int64],
+    indices: NDArray[np.int32],
+    labels: NDArray[np.int32],
+) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int32]]:
+    """Pair every border voxel of a region with the nearest adjacent voxel of each neighbouring region.
+
+    Only the side of the smaller region number is listed.
+
+    Returns
+    -------
+    key : (p,) int64
+        ``a * 2**31 + b`` for a pair of regions a < b, in the order of the voxels of a.
+    first, second : (p,) int32
+        The voxel in a, and its partner in b.
+    """
+    m = len(labels)
+    key = np.empty(len(indices), np.int64)
+    first = np.empty(len(indices), np.int32)
+    second = np.empty(len(indices), np.int32)
+    count = 0
+    for i in range(m):
+        a = labels[i]
+        if a < 0:
+            continue
+        start = count
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            b = labels[j]
+            if b <= a:
+                continue
+            place = start
+            while place < count and labels[second[place]] != b:
+                place += 1
+            if place == count:
+                key[count] = a * 2**31 + b
+                first[count] = i
+                second[count] = j
+                count += 1
+            elif _squared_distance(points, i, j) < _squared_distance(points, i, second[place]):
+                second[place] = j
+    return key[:count], first[:count], second[:count]
+
+
+@njit(cache=True)
+def _squared_distance(points: NDArray[np.float64], i: int, j: int) -> float:
+    dx, dy, dz = points[i, 0] - points[j, 0], points[i, 1] - points[j, 1], points[i, 2] - points[j, 2]
+    return dx * dx + dy * dy + dz * dz
+
+
+@njit(cache=True)
+def crease_angle(
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    indptr: NDArray[np.int64],
+    indices: NDArray[np.int32],
+    labels: NDArray[np.int32],
+    first: NDArray[np.int32],
+    second: NDArray[np.int32],
+    scale: float,
+    max_places: int,
+) -> float:
+    """Mean angle by which the surface turns at the border of two regions, convex positive, in radians.
+
+    At up to `max_places` places along the border both regions' surfaces are extended to the border, each from its own
+    points; the angle between them is signed, so that noise cancels along a border where the surface is smooth.
+    """
+    a, b = labels[first[0]], labels[second[0]]
+    workspace = np.empty((7, 7))
+    n = len(first)
+    step = max(1.0, n / max_places)
+    total = 0.0
+    weight = 0.0
+    for place in range(min(n, max_places)):
+        i = first[int(place * step)]
+        j = second[int(place * step)]
+        x = (points[i, 0] + points[j, 0]) / 2
+        y = (points[i, 1] + points[j, 1]) / 2
+        z = (points[i, 2] + points[j, 2]) / 2
+        count_a, _, ax, ay, az = fit_surface(
+            points, normals, indptr, indices, labels, a, i, x, y, z, scale, workspace
+        )
+        count_b, _, bx, by, bz = fit_surface(
+            points, normals, indptr, indices, labels, b, j, x, y, z, scale, workspace
+        )
+        if count_a == 0 or count_b == 0:
+            continue
+        angle = math.acos(min(1.0, max(-1.0, ax * bx + ay * by + az * bz)))
+        opening = (
+            (ax - bx) * (points[i, 0] - points[j, 0])
+            + (ay - by) * (points[i, 1] - points[j, 1])
+            + (az - bz) * (points[i, 2] - points[j, 2])
+        )
+        # The side with fewer points limits how well the angle is known.
+        total += min(count_a, count_b) * (angle if opening >= 0 else -angle)
+        weight += min(count_a, count_b)
+    return total / weight if weight > 0 else 0.0
+
+
+@njit(cache=True)
+def sharpen_borders(
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    indptr: NDArray[np.int64],
+    indices: NDArray[np.int32],
+    adjacent_indptr: NDArray[np.int64],
+    adjacent: NDArray[np.int32],
+    labels: NDArray[np.int32],
+    scale: float,
+    smoothness: float,
+    rounds: int,
+) -> NDArray[np.int32]:
+    """Give every border voxel to the adjacent region whose surface, extended to it, passes nearest.
+
+    Parameters
+    ----------
+    scale : float
+        Radius of the neighbour lists.
+    smoothness : float
+        Distance that a voxel is worth all of whose adjacent voxels are in another region; keeps borders straight.
+    """
+    workspace = np.empty((7, 7))
+    m = len(labels)
+    current = labels.copy()
+    active = np.ones(m, np.bool_)
+    for _ in range(rounds):
+        updated = current.copy()
+        for i in range(m):
+            own = current[i]
+            if own < 0 or not active[i]:
+                continue
+            degree = adjacent_indptr[i + 1] - adjacent_indptr[i]
+            same = 0
+            for k in range(adjacent_indptr[i], adjacent_indptr[i + 1]):
+                same += current[adjacent[k]] == own
+            if same == degree:
+                continue
+            lowest = np.inf
+            best = own
+            for k in range(adjacent_indptr[i] - 1, adjacent_indptr[i + 1]):
+                region = own if k < adjacent_indptr[i] else current[adjacent[k]]
+                if region < 0 or (k >= adjacent_indptr[i] and region == own):
+                    continue
+                agreeing = 0
+                seen = False
+                for other in range(adjacent_indptr[i], adjacent_indptr[i + 1]):
+                    if current[adjacent[other]] == region:
+                        seen = seen or other < k
+                        agreeing += 1
+                if seen:
+                    continue
+                count, height, _, _, _ = fit_surface(
+                    points,
+                    normals,
+                    indptr,
+                    indices,
+                    current,
+                    region,
+                    i,
+                    points[i, 0],
+                    points[i, 1],
+                    points[i, 2],
+                    scale,
+                    workspace,
+                )
+                if count == 0:
+                    continue
+                cost = abs(height) + smoothness * (1 - agreeing / degree)
+                if cost < lowest:
+                    lowest = cost
+                    best = region
+            updated[i] = best
+        active[:] = False
+        for i in range(m):
+            if updated[i] != current[i]:
+                active[i] = True
+                for k in range(adjacent_indptr[i], adjacent_indptr[i + 1]):
+                    active[adjacent[k]] = True
+        current = updated
+        if not active.any():
+            break
+    return current

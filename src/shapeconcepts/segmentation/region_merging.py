@@ -1,0 +1,68 @@
+"""Small segments go to a neighbour, and the number of segments stays bounded."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts.neighbours import Neighbours
+
+MIN_BORDER = 4
+
+
+def border_lengths(adjacency: Neighbours, labels: NDArray[np.int32]) -> NDArray[np.int64]:
+    """Number of adjacent voxel pairs between every two segments: (n, n), symmetric, zero diagonal."""
+    n = int(labels.max(initial=-1)) + 1
+    a = np.repeat(labels, np.diff(adjacency.indptr))
+    b = labels[adjacency.indices]
+    across = (a >= 0) & (b >= 0) & (a != b)
+    return np.bincount(a[across].astype(np.int64) * n + b[across], minlength=n * n).reshape(n, n)
+
+
+def absorb_small(
+    adjacency: Neighbours, labels: NDArray[np.int32], min_size: float, max_segments: int
+) -> NDArray[np.int32]:
+    """Merge the smallest segment into the neighbour with the longest border, until all are large and few enough.
+
+    A segment without a neighbour is dropped (-1), but never the last one.
+
+    Parameters
+    ----------
+    labels : (m,) int32
+        Segments 0 to n - 1, -1 for none.
+    min_size : float
+        Number of voxels below which a segment is merged.
+    max_segments : int
+
+    Returns
+    -------
+    (m,) int32
+        Segments numbered in the order of falling size, -1 for none.
+    """
+    border = border_lengths(adjacency, labels)
+    size = np.bincount(labels[labels >= 0], minlength=len(border))
+    target = np.arange(len(border))
+    alive = list(range(len(border)))
+    while len(alive) > 1:
+        smallest = min(alive, key=lambda s: (size[s], -s))
+        if size[smallest] >= min_size and len(alive) <= max_segments:
+            break
+        alive.remove(smallest)
+        neighbour = int(np.argmax(border[smallest]))
+        if border[smallest, neighbour] == 0:
+            target[target == smallest] = -1
+            continue
+        target[target == smallest] = neighbour
+        size[neighbour] += size[smallest]
+        border[neighbour] += border[smallest]
+        border[:, neighbour] += border[:, smallest]
+        border[neighbour, neighbour] = 0
+        border[smallest] = border[:, smallest] = 0
+    rank = np.full(len(border) + 1, -1, np.int32)
+    rank[sorted(alive, key=lambda s: (-size[s], s))] = np.arange(len(alive))
+    return rank[np.append(target, -1)[labels]]
+
+
+def segment_edges(adjacency: Neighbours, labels: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Pairs of segments, (e, 2), that share a border of at least 4 adjacent voxel pairs."""
+    return np.argwhere(np.triu(border_lengths(adjacency, labels) >= MIN_BORDER)).astype(np.int32)

@@ -1,0 +1,86 @@
+"""From a scan to its surface segments."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shapeconcepts.neighbours import Neighbours, radius_neighbours
+from shapeconcepts.preparation import PreparedObject, prepare
+from shapeconcepts.scan import Scan
+from shapeconcepts.segmentation.region_merging import absorb_small, segment_edges
+from shapeconcepts.segmentation.segmented_object import SegmentedObject
+from shapeconcepts.segmentation.super_patches import super_patches
+from shapeconcepts.segmentation.supervoxel_kernels import closer_neighbours, inherit_patches, smooth_normals
+from shapeconcepts.segmentation.supervoxels import supervoxels
+
+ADJACENCY_RADIUS = 2.0
+NORMAL_RADIUS = 3.0
+SURFACE_RADIUS = 5.0
+SMOOTHING_ANGLE = np.radians(14.0)
+SMOOTHING_ROUNDS = 3
+MIN_SHARE = 0.05
+MIN_VOXELS = 25
+
+
+def segment(
+    scan: Scan | PreparedObject,
+    *,
+    voxel_size: float | str = "auto",
+    seed_size: float = 0.02,
+    max_segments: int = 12,
+) -> SegmentedObject:
+    """Cut an object into its surface segments.
+
+    Supervoxels (atomic patches) are joined to segments (super patches) where the surface goes on smoothly: a box gives
+    one segment for each visible face, a can its side and its cap, a ball one. Segments of less than 5 % of the object
+    or 25 voxels go to the neighbour with the longest border. The result does not depend on the object's pose.
+
+    Parameters
+    ----------
+    scan : Scan or PreparedObject
+        A prepared object keeps its own voxels.
+    voxel_size : float or "auto"
+        Edge length of the voxels, metres; see `prepare`.
+    seed_size : float
+        Size of the atomic patches, metres; at least 4 voxels are used.
+    max_segments : int
+        Largest number of segments, at least 1. Above it the smallest is merged, repeatedly.
+
+    Returns
+    -------
+    SegmentedObject
+
+    Raises
+    ------
+    ScanError
+        If the scan cannot be prepared.
+    ValueError
+        If a parameter is out of range.
+    """
+    if not (np.isfinite(seed_size) and seed_size > 0):
+        raise ValueError(f"seed_size must be a positive number of metres, got {seed_size!r}")
+    if isinstance(max_segments, bool) or int(max_segments) != max_segments or max_segments < 1:
+        raise ValueError(f"max_segments must be an integer of at least 1, got {max_segments!r}")
+    prepared = scan if isinstance(scan, PreparedObject) else prepare(scan, voxel_size=voxel_size)
+    points, voxel = prepared.points, prepared.voxel_size
+    neighbours = radius_neighbours(points, SURFACE_RADIUS * voxel)
+    nearby = Neighbours(*closer_neighbours(points, *neighbours, NORMAL_RADIUS * voxel))
+    adjacency = Neighbours(*closer_neighbours(points, *nearby, ADJACENCY_RADIUS * voxel))
+
+    normals = smooth_normals(points, prepared.normals, *nearby, 2 * voxel, SMOOTHING_ANGLE, SMOOTHING_ROUNDS)
+    patches = supervoxels(points, normals, adjacency, voxel, max(seed_size, 4 * voxel))
+    regions = super_patches(points, normals, neighbours, adjacency, patches, voxel, SURFACE_RADIUS * voxel)
+    segments = absorb_small(adjacency, regions, max(MIN_SHARE * len(points), MIN_VOXELS), int(max_segments))
+    return SegmentedObject(
+        points=points,
+        normals=prepared.normals,
+        patch_labels=inherit_patches(*adjacency, patches, segments),
+        segment_labels=segments,
+        segment_edges=segment_edges(adjacency, segments),
+        n_segments=int(segments.max(initial=-1)) + 1,
+        point_to_voxel=prepared.point_to_voxel,
+        voxel_size=voxel,
+        viewpoint=prepared.viewpoint,
+        name=prepared.name,
+        label=prepared.label,
+    )

@@ -1,0 +1,147 @@
+"""Super patches: atomic patches joined where the surface goes on smoothly, kept apart at creases."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts.neighbours import Neighbours
+from shapeconcepts.segmentation.crease_kernels import border_pairs, crease_angle, sharpen_borders
+from shapeconcepts.segmentation.linkage_kernels import average_linkage
+
+FLAT_ANGLE = np.radians(12.0)
+CREASE_ANGLE = np.radians(40.0)
+CREASE_PLACES = 24
+BORDER_SMOOTHNESS = 0.6
+SHARPENING_ROUNDS = 3
+
+
+def super_patches(
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    neighbours: Neighbours,
+    adjacency: Neighbours,
+    patches: NDArray[np.int32],
+    voxel_size: float,
+    radius: float,
+) -> NDArray[np.int32]:
+    """Join patches over smooth borders.
+
+    First, patches are joined by average linkage while the normals turn by less than 12 degrees across their border:
+    this gives nearly flat regions, large enough to fit a surface to. Then the regions on both sides of each border are
+    extended to it, each from its own points, and the pair that meets at the smallest angle is joined, again and again,
+    until every remaining border is a crease of more than 40 degrees. Neither step can leak through a weak spot, as both
+    judge a border as a whole. Last, the voxels at the borders go to the side whose surface they lie on, and the borders
+    are judged again.
+
+    Parameters
+    ----------
+    points, normals : (m, 3) float64
+        Voxel-grid points and smoothed unit normals.
+    neighbours : Neighbours
+        Lists over `radius`, the size of the neighbourhood that surfaces are fitted to.
+    adjacency : Neighbours
+        Adjacent voxels.
+    patches : (m,) int32
+        Atomic patch of each voxel, -1 for none.
+    voxel_size, radius : float
+        Metres.
+
+    Returns
+    -------
+    (m,) int32
+        Region of each voxel, numbered without gaps, -1 for none.
+    """
+    regions = _consecutive(_join_flat(normals, adjacency, patches))
+    for _ in range(2):
+        regions = _join_smooth(points, normals, neighbours, adjacency, regions, radius)
+        if regions.max() <= 0:
+            break
+        regions = sharpen_borders(
+            points,
+            normals,
+            *neighbours,
+            *adjacency,
+            regions,
+            radius,
+            BORDER_SMOOTHNESS * voxel_size,
+            SHARPENING_ROUNDS,
+        )
+    return _consecutive(regions)
+
+
+def _join_flat(
+    normals: NDArray[np.float64], adjacency: Neighbours, patches: NDArray[np.int32]
+) -> NDArray[np.int32]:
+    rows = np.repeat(np.arange(len(patches)), np.diff(adjacency.indptr))
+    a, b = patches[rows], patches[adjacency.indices]
+    across = np.flatnonzero((a >= 0) & (a < b))
+    i, j = rows[across], adjacency.indices[across]
+    difference = 1 - np.einsum("ij,ij->i", normals[i], normals[j])
+    group = average_linkage(
+        int(patches.max()) + 1,
+        a[across].astype(np.int64),
+        b[across].astype(np.int64),
+        difference,
+        1 - np.cos(FLAT_ANGLE),
+    )
+    return np.where(patches >= 0, group[patches], -1).astype(np.int32)
+
+
+def _join_smooth(
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    neighbours: Neighbours,
+    adjacency: Neighbours,
+    regions: NDArray[np.int32],
+    radius: float,
+) -> NDArray[np.int32]:
+    angles: dict[tuple[int, int], float] = {}
+    target = np.arange(regions.max() + 1)
+    while True:
+        keys, first, second = border_pairs(points, *adjacency, regions)
+        order = np.argsort(keys, kind="stable")
+        first, second = first[order], second[order]
+        bounds = np.flatnonzero(np.diff(keys[order], prepend=-1, append=-1))
+        best: dict[int, tuple[float, int]] = {}
+        known, angles = angles, {}
+        for start, end in pairwise(bounds.tolist()):
+            a, b = int(regions[first[start]]), int(regions[second[start]])
+            angle = known.get((a, b))
+            if angle is None:
+                angle = abs(
+                    crease_angle(
+                        points,
+                        normals,
+                        *neighbours,
+                        regions,
+                        first[start:end],
+                        second[start:end],
+                        radius,
+                        CREASE_PLACES,
+                    )
+                )
+            angles[a, b] = angle
+            best[a] = min(best.get(a, (angle, b)), (angle, b))
+            best[b] = min(best.get(b, (angle, a)), (angle, a))
+        merged = [
+            (a, b) for a, (angle, b) in best.items() if a < b and best[b][1] == a and angle < CREASE_ANGLE
+        ]
+        if not merged:
+            return regions
+        target[:] = np.arange(len(target))
+        for a, b in merged:
+            target[b] = a
+        touched = {region for pair in merged for region in pair}
+        angles = {pair: angle for pair, angle in angles.items() if touched.isdisjoint(pair)}
+        regions = np.where(regions >= 0, target[regions], -1).astype(np.int32)
+
+
+def _consecutive(labels: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Number labels 0, 1, ... in their order; -1 stays."""
+    used = np.flatnonzero(np.bincount(labels[labels >= 0]))
+    number = np.zeros(labels.max(initial=0) + 1, np.int32)
+    number[used] = np.arange(len(used))
+    return np.where(labels >= 0, number[labels], -1).astype(np.int32)

@@ -1,0 +1,208 @@
+"""Kernels of the supervoxel clustering."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+
+@njit(cache=True)
+def closer_neighbours(
+    points: NDArray[np.float64], indptr: NDArray[np.int64], indices: NDArray[np.int32], radius: float
+) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """Shorten neighbour lists to a smaller radius; the order within a list stays."""
+    m = len(indptr) - 1
+    shorter_indptr = np.zeros(m + 1, np.int64)
+    shorter = np.empty(len(indices), np.int32)
+    count = 0
+    for i in range(m):
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
+            shorter[count] = j
+            count += dx * dx + dy * dy + dz * dz <= radius * radius
+        shorter_indptr[i + 1] = count
+    return shorter_indptr, shorter[:count].copy()
+
+
+@njit(cache=True)
+def smooth_normals(
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    indptr: NDArray[np.int64],
+    indices: NDArray[np.int32],
+    width: float,
+    angular_width: float,
+    rounds: int,
+) -> NDArray[np.float64]:
+    """Bilateral filter of normals: averages over a surface, not across a crease.
+
+    Parameters
+    ----------
+    width : float
+        Standard deviation of the spatial weight, in the unit of the points.
+    angular_width : float
+        Angle at which a neighbour's weight has fallen to 1/e, radians.
+    """
+    m = len(points)
+    spatial = np.empty(len(indices))
+    for i in range(m):
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            dx, dy, dz = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1], points[j, 2] - points[i, 2]
+            spatial[k] = math.exp(-(dx * dx + dy * dy + dz * dz) / (2 * width * width))
+    sharpness = 1 / (1 - math.cos(angular_width))
+    current = normals.copy()
+    smoothed = np.empty_like(current)
+    for _ in range(rounds):
+        for i in range(m):
+            x, y, z = current[i, 0], current[i, 1], current[i, 2]
+            sx, sy, sz = x, y, z
+            for k in range(indptr[i], indptr[i + 1]):
+                j = indices[k]
+                difference = (1 - (current[j, 0] * x + current[j, 1] * y + current[j, 2] * z)) * sharpness
+                if difference < 8:
+                    weight = spatial[k] * math.exp(-difference)
+                    sx += weight * current[j, 0]
+                    sy += weight * current[j, 1]
+                    sz += weight * current[j, 2]
+            length = math.sqrt(sx * sx + sy * sy + sz * sz)
+            smoothed[i, 0], smoothed[i, 1], smoothed[i, 2] = sx / length, sy / length, sz / length
+        current, smoothed = smoothed, current
+    return current
+
+
+@njit(cache=True)
+def grow_supervoxels(
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    indptr: NDArray[np.int64],
+    indices: NDArray[np.int32],
+    seeds: NDArray[np.int64],
+    seed_size: float,
+    normal_weight: float,
+    rounds: int,
+) -> NDArray[np.int32]:
+    """Flow-constrained clustering: every seed grows along the surface, one layer of neighbours a round.
+
+    A voxel goes to the neighbouring supervoxel to whose centre it is closest, by
+    ``(distance / seed_size)^2 + normal_weight * (1 - cos(angle between normals))`` (VCCS, equation 1, without colour).
+    All voxels of a round change at once, so that the result depends on no order.
+
+    Returns
+    -------
+    (m,) int32
+        Supervoxel of each voxel, -1 where no seed reached it.
+    """
+    m = len(points)
+    owner = np.full(m, -1, np.int32)
+    distance = np.full(m, np.inf)
+    for s in range(len(seeds)):
+        owner[seeds[s]] = s
+        distance[seeds[s]] = 0.0
+    for _ in range(rounds):
+        next_owner = owner.copy()
+        next_distance = distance.copy()
+        changed = False
+        for i in range(m):
+            s = owner[i]
+            if s < 0:
+                continue
+            c = seeds[s]
+            for k in range(indptr[i], indptr[i + 1]):
+                j = indices[k]
+                if owner[j] == s:
+                    continue
+                dx, dy, dz = (
+                    points[j, 0] - points[c, 0],
+                    points[j, 1] - points[c, 1],
+                    points[j, 2] - points[c, 2],
+                )
+                cosine = (
+                    normals[j, 0] * normals[c, 0]
+                    + normals[j, 1] * normals[c, 1]
+                    + normals[j, 2] * normals[c, 2]
+                )
+                d = (dx * dx + dy * dy + dz * dz) / (seed_size * seed_size) + normal_weight * (1 - cosine)
+                if d < next_distance[j]:
+                    next_distance[j] = d
+                    next_owner[j] = s
+                    changed = True
+        owner, distance = next_owner, next_distance
+        if not changed:
+            break
+    return owner
+
+
+@njit(cache=True)
+def central_voxels(
+    points: NDArray[np.float64], owner: NDArray[np.int32], seeds: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """For every supervoxel the member nearest to its centroid."""
+    n = len(seeds)
+    centroids = np.zeros((n, 3))
+    size = np.zeros(n)
+    for i in range(len(owner)):
+        s = owner[i]
+        if s >= 0:
+            centroids[s] += points[i]
+            size[s] += 1
+    for s in range(n):
+        centroids[s] /= size[s]
+    central = seeds.copy()
+    nearest = np.full(n, np.inf)
+    for i in range(len(owner)):
+        s = owner[i]
+        if s >= 0:
+            dx, dy, dz = (
+                points[i, 0] - centroids[s, 0],
+                points[i, 1] - centroids[s, 1],
+                points[i, 2] - centroids[s, 2],
+            )
+            d = dx * dx + dy * dy + dz * dz
+            if d < nearest[s]:
+                nearest[s] = d
+                central[s] = i
+    return central
+
+
+@njit(cache=True)
+def inherit_patches(
+    indptr: NDArray[np.int64],
+    indices: NDArray[np.int32],
+    patches: NDArray[np.int32],
+    segments: NDArray[np.int32],
+) -> NDArray[np.int32]:
+    """Let every patch lie in one segment: the one that holds most of it.
+
+    A voxel that the segment border moved away from its patch joins the patch of an adjacent voxel of its segment. What
+    is left, and a patch's voxels without a segment, belong to no patch.
+    """
+    n_patches = patches.max() + 1
+    n_segments = segments.max() + 1
+    votes = np.zeros((n_patches, n_segments), np.int32)
+    for i in range(len(patches)):
+        if patches[i] >= 0 and segments[i] >= 0:
+            votes[patches[i], segments[i]] += 1
+    inherited = np.full(len(patches), -1, np.int32)
+    for i in range(len(patches)):
+        if patches[i] >= 0 and segments[i] >= 0 and segments[i] == votes[patches[i]].argmax():
+            inherited[i] = patches[i]
+    changed = True
+    while changed:
+        changed = False
+        previous = inherited.copy()
+        for i in range(len(patches)):
+            if previous[i] >= 0 or segments[i] < 0:
+                continue
+            for k in range(indptr[i], indptr[i + 1]):
+                j = indices[k]
+                if previous[j] >= 0 and segments[j] == segments[i]:
+                    inherited[i] = previous[j]
+                    changed = True
+                    break
+    return inherited

@@ -1,0 +1,167 @@
+"""NPY and NPZ files."""
+
+import io
+import zipfile
+
+import numpy as np
+import pytest
+
+from shapeconcepts.io import read_scan
+from shapeconcepts.scan import ScanError
+
+POINTS = np.random.default_rng(0).normal(0, 0.05, (100, 3)) + np.array([0, 0, 0.8])
+
+
+def npy_bytes(array, **options):
+    stream = io.BytesIO()
+    np.save(stream, array, **options)
+    return stream.getvalue()
+
+
+def npy_with_header(header, body=b"\0" * 240, version=1):
+    padded = header.encode() + b"\n"
+    return b"\x93NUMPY" + bytes([version, 0]) + len(padded).to_bytes(2 * version, "little") + padded + body
+
+
+def write(tmp_path, data, name="scan.npy"):
+    (tmp_path / name).write_bytes(data)
+    return tmp_path / name
+
+
+@pytest.mark.parametrize("dtype", ["<f8", ">f8", "<f4", ">f4", "f2", "<i4", ">i2", "u1", "<u8", "longdouble"])
+@pytest.mark.parametrize("order", ["C", "F"])
+@pytest.mark.parametrize("columns", [3, 7])
+def test_array(tmp_path, dtype, order, columns):
+    array = np.asarray(np.random.default_rng(1).integers(1, 100, (20, columns)), dtype=dtype, order=order)
+    scan = read_scan(write(tmp_path, npy_bytes(array)))
+    np.testing.assert_array_equal(scan.points, array[:, :3].astype(np.float64))
+
+
+def test_version_2_header(tmp_path):
+    stream = io.BytesIO()
+    np.lib.format.write_array(stream, POINTS, version=(2, 0))
+    np.testing.assert_array_equal(read_scan(write(tmp_path, stream.getvalue())).points, POINTS)
+
+
+@pytest.mark.parametrize("save", [np.savez, np.savez_compressed])
+def test_archive(tmp_path, save):
+    labels = np.arange(100)
+    save(tmp_path / "scan.npz", points=POINTS, viewpoint=[1.0, 2.0, 3.0], labels=labels, other=["text"])
+    scan = read_scan(tmp_path / "scan.npz")
+    np.testing.assert_array_equal(scan.points, POINTS)
+    np.testing.assert_array_equal(scan.viewpoint, [1, 2, 3])
+    np.testing.assert_array_equal(scan.point_labels, labels)
+
+
+def test_archive_with_points_only(tmp_path):
+    np.savez(tmp_path / "scan.npz", points=POINTS)
+    scan = read_scan(tmp_path / "scan.npz")
+    assert scan.point_labels is None
+    np.testing.assert_array_equal(scan.viewpoint, [0, 0, 0])
+
+
+def test_archive_with_a_given_origin_is_believed_outside_of_the_cloud_only(tmp_path):
+    for offset, expected in (([0.3, 0, 0], [0, 0, 0]), ([0, 0, 0], None)):
+        points = np.random.default_rng(0).uniform(-0.1, 0.1, (100, 3)) + offset
+        np.savez(tmp_path / "scan.npz", points=points, viewpoint=np.zeros(3))
+        viewpoint = read_scan(tmp_path / "scan.npz").viewpoint
+        assert (viewpoint is None) if expected is None else (viewpoint == expected).all()
+
+
+class _Unpickled:
+    def __reduce__(self):
+        return (pytest.fail, ("a pickle was run",))
+
+
+BAD_NPY = {
+    "pickled": (npy_bytes(np.array([[_Unpickled()] * 3], dtype=object), allow_pickle=True), "object"),
+    "strings": (npy_bytes(np.array([["a", "b", "c"]])), "numbers"),
+    "complex": (npy_bytes(np.ones((5, 3), dtype=complex)), "numbers"),
+    "structured": (npy_bytes(np.zeros(5, dtype=[("x", "f4"), ("y", "f4"), ("z", "f4")])), "numbers"),
+    "flat": (npy_bytes(np.ones(30)), "shape"),
+    "two columns": (npy_bytes(np.ones((30, 2))), "shape"),
+    "scalar": (npy_bytes(np.array(1.0)), "shape"),
+    "no rows": (npy_bytes(np.ones((0, 3))), "no points"),
+    "all nan": (npy_bytes(np.full((5, 3), np.nan)), "finite"),
+    "truncated": (npy_bytes(POINTS)[:-1], "truncated"),
+    "cut header": (npy_bytes(POINTS)[:40], "NPY"),
+    "too many rows": (
+        npy_with_header("{'descr': '<f8', 'fortran_order': False, 'shape': (11, 3)}"),
+        "truncated",
+    ),
+    "huge shape": (
+        npy_with_header("{'descr': '<f8', 'fortran_order': False, 'shape': (99999999999999999999, 3)}"),
+        "truncated",
+    ),
+    "negative": (
+        npy_with_header("{'descr': '<f8', 'fortran_order': False, 'shape': (-1, 3)}"),
+        "NPY|truncated",
+    ),
+    "wide items": (
+        npy_with_header("{'descr': '<U999999999', 'fortran_order': False, 'shape': (1, 3)}"),
+        "NPY|numbers",
+    ),
+    "huge header": (npy_with_header("{'descr': '<f8'" + " " * 10**6 + "}", version=2), "NPY"),
+    "nested header": (npy_with_header("(" * 9000), "NPY"),
+    "code": (npy_with_header("__import__('os').abort()"), "NPY"),
+    "random": (np.random.default_rng(0).bytes(5000), "NPY"),
+    "jpeg": (b"\xff\xd8\xff\xe0\x00\x10JFIF" + bytes(range(256)), "NPY"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_NPY)
+@pytest.mark.filterwarnings("ignore")
+def test_bad_array(tmp_path, case):
+    data, message = BAD_NPY[case]
+    with pytest.raises(ScanError, match=rf"scan\.npy: .*({message})"):
+        read_scan(write(tmp_path, data))
+    with zipfile.ZipFile(tmp_path / "scan.npz", "w") as archive:
+        archive.writestr("points.npy", data)
+    with pytest.raises(ScanError, match=rf"scan\.npz: .*({message})"):
+        read_scan(tmp_path / "scan.npz")
+
+
+def zip_bytes(content, method=zipfile.ZIP_DEFLATED):
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", method) as archive:
+        archive.writestr("points.npy", content)
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (zip_bytes(npy_bytes(np.zeros((400_000, 3)))), "unpacks from"),
+        (zip_bytes(npy_bytes(POINTS), zipfile.ZIP_BZIP2), "compressed in a way"),
+        (zip_bytes(npy_bytes(POINTS), zipfile.ZIP_LZMA), "compressed in a way"),
+        (zip_bytes(npy_bytes(POINTS))[:-30], "not an NPZ"),
+        (zip_bytes(npy_bytes(POINTS)).replace(b"points.npy", b"Points.npy"), "no array points"),
+        (np.random.default_rng(0).bytes(5000), "not an NPZ"),
+    ],
+    ids=["bomb", "bzip2", "lzma", "truncated", "other name", "random"],
+)
+def test_bad_archive(tmp_path, data, message):
+    with pytest.raises(ScanError, match=rf"scan\.npz: .*{message}"):
+        read_scan(write(tmp_path, data, "scan.npz"))
+
+
+def test_archive_with_a_damaged_member(tmp_path):
+    data = bytearray(zip_bytes(npy_bytes(POINTS)))
+    data[200:220] = b"\xff" * 20
+    with pytest.raises(ScanError, match="damaged"):
+        read_scan(write(tmp_path, bytes(data), "scan.npz"))
+
+
+@pytest.mark.parametrize(
+    ("arrays", "message"),
+    [
+        ({"labels": np.arange(99)}, "labels"),
+        ({"labels": np.full(100, 0.5)}, "label"),
+        ({"labels": np.array(["a"] * 100)}, "numbers"),
+        ({"viewpoint": np.zeros(4)}, "viewpoint"),
+    ],
+)
+def test_archive_with_bad_extras(tmp_path, arrays, message):
+    np.savez(tmp_path / "scan.npz", points=POINTS, **arrays)
+    with pytest.raises(ScanError, match=rf"scan\.npz: .*{message}"):
+        read_scan(tmp_path / "scan.npz")
