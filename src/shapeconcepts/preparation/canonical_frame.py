@@ -26,5 +26,5 @@ def canonical_coordinates(points: NDArray[np.float64]) -> NDArray[np.float64]:
     centred = points - points.mean(axis=0)
     _, axes = np.linalg.eigh(centred.T @ centred / len(points))
     coordinates = centred @ axes[:, ::-1]
-    skewness = (coordinates**3).sum(axis=0)
+    skewness = np.einsum("ij,ij,ij->j", coordinates, coordinates, coordinates)
     return coordinates * np.where(skewness < 0, -1.0, 1.0)

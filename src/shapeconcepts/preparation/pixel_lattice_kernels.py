@@ -19,10 +19,11 @@ _TINY = 1e-300
 def propose_lattices(
     differences: NDArray[np.float64], probes: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Best orthographic square lattice in which two differences of each point are one step right and one down.
+    """Best square lattice, seen orthographically, with two differences of each point one step right and down.
 
-    With d1 = s e_x + z1 v and d2 = s e_y + z2 v for orthonormal e_x, e_y and line of sight v, the squared pixel
-    size s² is the smaller eigenvalue of the Gram matrix of d1 and d2, and v is known up to a mirror image.
+    With d1 = s e_x + z1 v and d2 = s e_y + z2 v for orthonormal e_x, e_y and line of sight v, the squared
+    pixel size s² is the smaller eigenvalue of the Gram matrix of d1 and d2, and v is known up to a mirror
+    image.
 
     Parameters
     ----------
@@ -34,8 +35,8 @@ def propose_lattices(
     Returns
     -------
     scores : (p,) float64
-        Probes that land on a lattice point other than the origin, less those that land on the origin (two points
-        on one ray: hidden from each other), as a share of m.
+        Probes that land on a lattice point other than the origin, less those that land on the origin (two
+        points on one ray: hidden from each other), as a share of m.
     lattices : (p, 2, 3) float64
         Rows that map a difference to pixels.
     """
@@ -76,7 +77,9 @@ def propose_lattices(
                     score = _score(rows, probes)
                     if score > scores[point]:
                         scores[point] = score
-                        lattices[point] = rows
+                        for a in range(3):
+                            lattices[point, 0, a] = rows[0, a]
+                            lattices[point, 1, a] = rows[1, a]
     return scores, lattices
 
 
@@ -89,7 +92,7 @@ def _score(rows: NDArray[np.float64], probes: NDArray[np.float64]) -> float:
             return 0.0
         u = rows[0, 0] * probes[k, 0] + rows[0, 1] * probes[k, 1] + rows[0, 2] * probes[k, 2]
         v = rows[1, 0] * probes[k, 0] + rows[1, 1] * probes[k, 1] + rows[1, 2] * probes[k, 2]
-        column, row = round(u), round(v)
+        column, row = math.floor(u + 0.5), math.floor(v + 0.5)
         if abs(u - column) < _HYPOTHESIS_TOLERANCE and abs(v - row) < _HYPOTHESIS_TOLERANCE:
             hits += -1 if column == 0 and row == 0 else 1
     return hits / len(probes)
@@ -126,8 +129,8 @@ def refine_camera(
     matrix = np.empty((9, 9))
     vector = np.empty(9)
     n_matches, error = 0, 0.0
-    for tolerance in tolerances:
-        n_matches, error = _lattice_equations(starts, ends, camera, tolerance, matrix, vector)
+    for step in range(len(tolerances)):
+        n_matches, error = _lattice_equations(starts, ends, camera, tolerances[step], matrix, vector)
         _solve_damped(matrix, vector)
         for a in range(3):
             for b in range(3):
@@ -145,8 +148,10 @@ def _lattice_equations(
     vector: NDArray[np.float64],
 ) -> tuple[int, float]:
     """Fill in the normal equations of one step; the number of matches and their error."""
-    matrix[:] = 0.0
-    vector[:] = 0.0
+    for a in range(9):
+        vector[a] = 0.0
+        for b in range(9):
+            matrix[a, b] = 0.0
     step = np.empty(3)
     slope_u = np.empty(3)
     slope_v = np.empty(3)
@@ -157,11 +162,11 @@ def _lattice_equations(
         uq, vq, wq = _project(camera, ends[k])
         if wp <= 0.0 or wq <= 0.0:
             continue
-        column, row = round(uq - up), round(vq - vp)
+        column, row = math.floor(uq - up + 0.5), math.floor(vq - vp + 0.5)
         error_u = uq - up - column
         error_v = vq - vp - row
         error2 = error_u * error_u + error_v * error_v
-        if error2 >= tolerance * tolerance or (column == 0 and row == 0):
+        if not error2 < tolerance * tolerance or (column == 0 and row == 0):
             continue
         n_matches += 1
         squared_error += error2
@@ -181,7 +186,9 @@ def _lattice_equations(
                 matrix[6 + b, a] += weighted_step * slope_u[b]
                 matrix[6 + b, 3 + a] += weighted_step * slope_v[b]
                 matrix[6 + a, 6 + b] += weight * (slope_u[a] * slope_u[b] + slope_v[a] * slope_v[b])
-    matrix[3:6, 3:6] = matrix[:3, :3]
+    for a in range(3):
+        for b in range(3):
+            matrix[3 + a, 3 + b] = matrix[a, b]
     return n_matches, math.sqrt(squared_error / max(n_matches, 1))
 
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shapeconcepts.neighbours import Neighbours
+
 
 @dataclass(frozen=True, eq=False)
 class PreparedObject:
@@ -20,6 +22,8 @@ class PreparedObject:
         Unit normals, oriented towards the sensor.
     point_to_voxel : (n,) int32
         Row in `points` for each point of the scan, -1 for a dropped point.
+    neighbours : Neighbours
+        Neighbours of each point within 3 voxels.
     voxel_size : float
         Edge length of the voxels, metres.
     viewpoint : (3,) float64 or None
@@ -31,6 +35,7 @@ class PreparedObject:
     points: NDArray[np.float64]
     normals: NDArray[np.float64]
     point_to_voxel: NDArray[np.int32]
+    neighbours: Neighbours
     voxel_size: float
     viewpoint: NDArray[np.float64] | None = None
     name: str = ""

@@ -15,8 +15,7 @@ _GRAZING = 0.2
 _OUTWARDNESS_WEIGHT = 0.5
 _UNDECIDED_OUTWARDNESS = 0.05
 _DISTANCE_IN_RADII = 10.0
-_MIN_RADIUS = 1e-3
-_WELL_SEEN = 0.95
+_WELL_SEEN = 0.97
 
 
 def estimate_viewpoint(
@@ -24,10 +23,10 @@ def estimate_viewpoint(
 ) -> tuple[NDArray[np.float64], bool]:
     """Position of the sensor that saw a single-view point cloud.
 
-    Raw depth images tell it exactly, by their pixel lattice (see `viewpoint_from_pixel_lattice`). Where the points
-    were resampled, the surface tells the direction: a sensor sees the surface under it at an angle, so hardly any
-    normal is perpendicular to the line of sight, and objects bulge towards their outside more than not.
-    Where even that does not tell front from back, the sensor is taken to look along +z, as depth cameras do.
+    Raw depth images tell it exactly, by their pixel lattice (see `viewpoint_from_pixel_lattice`). Where the
+    points were resampled, the surface tells the direction: hardly any normal of what a sensor sees is
+    perpendicular to its line of sight, and surfaces bulge towards it more often than away. Where even that
+    does not tell front from back, the sensor is taken to look along +z, as depth cameras do.
 
     Parameters
     ----------
@@ -42,8 +41,8 @@ def estimate_viewpoint(
     -------
     viewpoint : (3,) float64
     is_measured : bool
-        True where the pixel lattice gave the viewpoint. False where only its direction is meant, and that as the
-        likeliest: a bowl seen from above and a dome are then the same.
+        True where the pixel lattice gave the viewpoint. False where it is only the likeliest direction, at
+        ten times the object's mean radius: a bowl seen from above and a dome are then the same.
     """
     viewpoint, is_certain = viewpoint_from_pixel_lattice(points)
     if viewpoint is not None and is_certain:
@@ -72,12 +71,12 @@ def orient_normals(
 def _viewpoint_from_surface(
     points: NDArray[np.float64], normals: NDArray[np.float64], candidate: NDArray[np.float64] | None
 ) -> tuple[NDArray[np.float64], bool]:
-    """The candidate if the surface is seen well from it (True), else a viewpoint in the direction that suits best.
+    """The candidate if the surface is seen well from it (True), else one in the best direction (False).
 
     That direction has the fewest grazing and the most outward normals, and is on the side of the candidate.
     """
     centre = points.mean(axis=0)
-    radius = max(float(np.linalg.norm(points - centre, axis=1).mean()), _MIN_RADIUS)
+    radius = float(np.linalg.norm(points - centre, axis=1).mean()) or 1.0
     rows = order_free_sample(points, _N_VOXELS)
     offsets, normals = (points[rows] - centre) / radius, normals[rows]
 
@@ -100,7 +99,7 @@ def _viewpoint_from_surface(
 def _best_direction(
     directions: NDArray[np.float64], offsets: NDArray[np.float64], normals: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], float]:
-    """Axis that suits the normals best, and how far outward (> 0) they point when turned to its positive end."""
+    """Axis that suits the normals best, and how far outward (> 0) they point when turned along it."""
     cosines = normals @ directions.T
     outward = np.einsum("ij,ij->i", normals, offsets)
     outwardness = outward @ np.sign(cosines) / len(normals)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from shapeconcepts.neighbours import Neighbours
+from shapeconcepts.preparation.component_kernels import connected_components
 
 MIN_NEIGHBOURS = 4
 MIN_COMPONENT_SHARE = 0.01
@@ -25,14 +24,11 @@ def stray_points(neighbours: Neighbours) -> NDArray[np.bool_]:
     -------
     (m,) bool
         True for a point with fewer than 4 neighbours, or in a connected component of less than 1 % of the points.
-        The largest component is never stray.
+        Where that would be all of them, none is stray.
     """
     m = len(neighbours.indptr) - 1
     lonely = np.diff(neighbours.indptr) < MIN_NEIGHBOURS
-    graph = csr_array(
-        (np.ones(len(neighbours.indices), np.int8), neighbours.indices, neighbours.indptr), shape=(m, m)
-    )
-    _, component = connected_components(graph, directed=False)
+    component = connected_components(neighbours.indptr, neighbours.indices)
     size = np.bincount(component)
     stray = lonely | (size[component] < MIN_COMPONENT_SHARE * m)
     return np.zeros(m, bool) if stray.all() else stray

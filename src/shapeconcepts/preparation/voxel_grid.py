@@ -42,16 +42,16 @@ def voxel_grid(points: NDArray[np.float64], voxel_size: float) -> VoxelGrid:
     voxel_size : float
         Edge length of a cell, in the unit of the points.
     """
-    return _fill(points, canonical_coordinates(points), voxel_size)
+    return _fill(points, _cell_keys(canonical_coordinates(points), voxel_size), voxel_size)
 
 
 def adaptive_voxel_grid(points: NDArray[np.float64]) -> VoxelGrid:
     """Voxel grid with cells of 5 mm, or as large as the density and extent of the points ask for.
 
     A mean over few points is as noisy as the points: the cells grow until they hold about 3.5 points each. As a
-    Kinect's point spacing and its depth noise both grow with distance, this also averages away the noise of far
-    objects, and it needs no knowledge of the sensor's position. Clouds whose extent shows that they are not a
-    hand-sized to furniture-sized object in metres (a diagonal outside 2 cm to 5 m) start from 1/60 of the extent.
+    Kinect's point spacing and its depth noise both grow with distance, this also averages away the noise of
+    far objects, and it needs no knowledge of the sensor's position. Clouds whose extent shows that they are
+    no objects in metres (a diagonal outside 2 cm to 5 m) start from 1/60 of the extent.
 
     Parameters
     ----------
@@ -61,24 +61,33 @@ def adaptive_voxel_grid(points: NDArray[np.float64]) -> VoxelGrid:
     coordinates = canonical_coordinates(points)
     extent = float(np.linalg.norm(np.ptp(coordinates, axis=0)))
     voxel_size = KINECT_VOXEL_SIZE if 0.02 <= extent <= 5.0 or extent == 0.0 else extent / 60
-    grid = _fill(points, coordinates, voxel_size)
-    while len(points) < 0.9 * POINTS_PER_VOXEL * len(grid.points) and voxel_size < extent / 10:
-        voxel_size *= float(np.sqrt(POINTS_PER_VOXEL * len(grid.points) / len(points)))
-        grid = _fill(points, coordinates, voxel_size)
-    return grid
+    keys = _cell_keys(coordinates, voxel_size)
+    occupied = len(np.unique(keys))
+    while len(points) < 0.9 * POINTS_PER_VOXEL * occupied and voxel_size < extent / 10:
+        voxel_size *= float(np.sqrt(POINTS_PER_VOXEL * occupied / len(points)))
+        keys = _cell_keys(coordinates, voxel_size)
+        occupied = len(np.unique(keys))
+    return _fill(points, keys, voxel_size)
 
 
-def _fill(points: NDArray[np.float64], coordinates: NDArray[np.float64], voxel_size: float) -> VoxelGrid:
+def _cell_keys(coordinates: NDArray[np.float64], voxel_size: float) -> NDArray[np.int64]:
     # Rounding, not flooring: the centroid, where cells would meet, is the middle of many symmetric objects.
     cells = np.rint(coordinates / voxel_size)
     cells -= cells.min(axis=0)
     size = cells.max(axis=0) + 1
-    if size.prod() < 2**53:
-        keys = (cells[:, 0] * size[1] + cells[:, 1]) * size[2] + cells[:, 2]
-        _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
-    else:
-        _, inverse, counts = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
-    inverse = inverse.reshape(-1)
+    if size.prod() >= 2.0**62:
+        return np.unique(cells, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
+    x, y, z = cells.T.astype(np.int64)
+    return (x * int(size[1]) + y) * int(size[2]) + z
+
+
+def _fill(points: NDArray[np.float64], keys: NDArray[np.int64], voxel_size: float) -> VoxelGrid:
+    order = np.argsort(keys, kind="stable")
+    sorted_keys = keys[order]
+    first = np.flatnonzero(np.diff(sorted_keys, prepend=sorted_keys[0] - 1))
+    counts = np.diff(first, append=len(points))
     origin = points.mean(axis=0)
-    sums = np.stack([np.bincount(inverse, points[:, k] - origin[k]) for k in range(3)], axis=1)
-    return VoxelGrid(sums / counts[:, None] + origin, inverse.astype(np.int32), float(voxel_size))
+    sums = np.add.reduceat((points - origin)[order], first, axis=0)
+    point_to_voxel = np.empty(len(points), np.int32)
+    point_to_voxel[order] = np.repeat(np.arange(len(first), dtype=np.int32), counts)
+    return VoxelGrid(sums / counts[:, None] + origin, point_to_voxel, float(voxel_size))

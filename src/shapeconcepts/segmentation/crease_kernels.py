@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from shapeconcepts.segmentation.surface_fit_kernels import fit_surface
+from shapeconcepts.segmentation.surface_fit_kernels import fit_surface, gather_surroundings
 
 
 @njit(cache=True)
@@ -82,6 +82,8 @@ def crease_angle(
     """
     a, b = labels[first[0]], labels[second[0]]
     workspace = np.empty((7, 7))
+    stamps = np.zeros(len(points), np.int32)
+    surroundings = np.empty(len(points), np.int32)
     n = len(first)
     step = max(1.0, n / max_places)
     total = 0.0
@@ -89,14 +91,15 @@ def crease_angle(
     for place in range(min(n, max_places)):
         i = first[int(place * step)]
         j = second[int(place * step)]
+        n_around = gather_surroundings(points, indptr, indices, i, scale, stamps, place + 1, surroundings)
         x = (points[i, 0] + points[j, 0]) / 2
         y = (points[i, 1] + points[j, 1]) / 2
         z = (points[i, 2] + points[j, 2]) / 2
         count_a, _, ax, ay, az = fit_surface(
-            points, normals, indptr, indices, labels, a, i, x, y, z, scale, workspace
+            points, normals, labels, a, surroundings[:n_around], x, y, z, scale, workspace
         )
         count_b, _, bx, by, bz = fit_surface(
-            points, normals, indptr, indices, labels, b, j, x, y, z, scale, workspace
+            points, normals, labels, b, surroundings[:n_around], x, y, z, scale, workspace
         )
         if count_a == 0 or count_b == 0:
             continue
@@ -130,12 +133,15 @@ def sharpen_borders(
     Parameters
     ----------
     scale : float
-        Radius of the neighbour lists.
+        Radius of the surroundings that surfaces are fitted to.
     smoothness : float
         Distance that a voxel is worth all of whose adjacent voxels are in another region; keeps borders straight.
     """
     workspace = np.empty((7, 7))
     m = len(labels)
+    stamps = np.zeros(m, np.int32)
+    surroundings = np.empty(m, np.int32)
+    stamp = 0
     current = labels.copy()
     active = np.ones(m, np.bool_)
     for _ in range(rounds):
@@ -150,6 +156,8 @@ def sharpen_borders(
                 same += current[adjacent[k]] == own
             if same == degree:
                 continue
+            stamp += 1
+            n_around = gather_surroundings(points, indptr, indices, i, scale, stamps, stamp, surroundings)
             lowest = np.inf
             best = own
             for k in range(adjacent_indptr[i] - 1, adjacent_indptr[i + 1]):
@@ -167,11 +175,9 @@ def sharpen_borders(
                 count, height, _, _, _ = fit_surface(
                     points,
                     normals,
-                    indptr,
-                    indices,
                     current,
                     region,
-                    i,
+                    surroundings[:n_around],
                     points[i, 0],
                     points[i, 1],
                     points[i, 2],

@@ -8,11 +8,60 @@ from numpy.typing import NDArray
 
 
 @njit(cache=True)
+def patch_borders(
+    normals: NDArray[np.float64],
+    indptr: NDArray[np.int64],
+    indices: NDArray[np.int32],
+    patches: NDArray[np.int32],
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+    """Sum ``1 - cos(angle between normals)`` over the adjacent voxel pairs on each border of two patches.
+
+    Returns
+    -------
+    first, second : (e,) int64
+        Neighbouring patches, first < second, every pair once.
+    total : (e,) float64
+    count : (e,) int64
+        Sum, and number of voxel pairs.
+    """
+    n_patches = patches.max() + 1
+    members = np.argsort(patches, kind="mergesort")
+    first = np.empty(len(indices), np.int64)
+    second = np.empty(len(indices), np.int64)
+    total = np.empty(len(indices))
+    count = np.empty(len(indices), np.int64)
+    edge_to = np.full(n_patches, -1)
+    edges = 0
+    for place in range(len(members)):
+        i = members[place]
+        a = patches[i]
+        if a < 0:
+            continue
+        for k in range(indptr[i], indptr[i + 1]):
+            j = indices[k]
+            b = patches[j]
+            if b <= a:
+                continue
+            e = edge_to[b]
+            if e < 0 or first[e] != a:
+                e = edges
+                edges += 1
+                edge_to[b] = e
+                first[e], second[e], total[e], count[e] = a, b, 0.0, 0
+            total[e] += 1 - (
+                normals[i, 0] * normals[j, 0] + normals[i, 1] * normals[j, 1] + normals[i, 2] * normals[j, 2]
+            )
+            count[e] += 1
+    return first[:edges], second[:edges], total[:edges], count[:edges]
+
+
+@njit(cache=True)
 def average_linkage(
     n_regions: int,
     first: NDArray[np.int64],
     second: NDArray[np.int64],
     difference: NDArray[np.float64],
+    pairs: NDArray[np.int64],
     stop: float,
 ) -> NDArray[np.int64]:
     """Merge neighbouring regions while the mean difference over their common border is below `stop`.
@@ -22,18 +71,19 @@ def average_linkage(
 
     Parameters
     ----------
-    first, second : (p,) int64
-        Regions on both sides of each pair of adjacent voxels, first < second.
-    difference : (p,) float64
-        Difference across each pair.
+    first, second : (e,) int64
+        Neighbouring regions, first < second.
+    difference : (e,) float64
+        Sum of the differences across the border.
+    pairs : (e,) int64
+        Number of differences in the sum.
 
     Returns
     -------
     (n_regions,) int64
         The smallest region of the group that each region ends in.
     """
-    a, b, total = first.copy(), second.copy(), difference.copy()
-    count = np.ones(len(a))
+    a, b, total, count = first.copy(), second.copy(), difference.copy(), pairs.copy()
     group = np.arange(n_regions)
     while True:
         order = np.argsort(a * n_regions + b, kind="mergesort")

@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from shapeconcepts.neighbours import Neighbours
 from shapeconcepts.segmentation.crease_kernels import border_pairs, crease_angle, sharpen_borders
-from shapeconcepts.segmentation.linkage_kernels import average_linkage
+from shapeconcepts.segmentation.linkage_kernels import average_linkage, patch_borders
 
 FLAT_ANGLE = np.radians(12.0)
-CREASE_ANGLE = np.radians(40.0)
-CREASE_PLACES = 24
+CREASE_ANGLE = np.radians(37.0)
+CREASE_PLACES = 16
+SURFACE_RADIUS = 5.5
 BORDER_SMOOTHNESS = 0.6
 SHARPENING_ROUNDS = 3
 
@@ -25,14 +26,13 @@ def super_patches(
     adjacency: Neighbours,
     patches: NDArray[np.int32],
     voxel_size: float,
-    radius: float,
 ) -> NDArray[np.int32]:
     """Join patches over smooth borders.
 
     First, patches are joined by average linkage while the normals turn by less than 12 degrees across their border:
     this gives nearly flat regions, large enough to fit a surface to. Then the regions on both sides of each border are
     extended to it, each from its own points, and the pair that meets at the smallest angle is joined, again and again,
-    until every remaining border is a crease of more than 40 degrees. Neither step can leak through a weak spot, as both
+    until every remaining border is a crease of more than 37 degrees. Neither step can leak through a weak spot, as both
     judge a border as a whole. Last, the voxels at the borders go to the side whose surface they lie on, and the borders
     are judged again.
 
@@ -41,12 +41,12 @@ def super_patches(
     points, normals : (m, 3) float64
         Voxel-grid points and smoothed unit normals.
     neighbours : Neighbours
-        Lists over `radius`, the size of the neighbourhood that surfaces are fitted to.
+        Lists over 3 voxels. Surfaces are fitted to what lies within 5.5 voxels and two steps through these.
     adjacency : Neighbours
         Adjacent voxels.
     patches : (m,) int32
         Atomic patch of each voxel, -1 for none.
-    voxel_size, radius : float
+    voxel_size : float
         Metres.
 
     Returns
@@ -54,6 +54,7 @@ def super_patches(
     (m,) int32
         Region of each voxel, numbered without gaps, -1 for none.
     """
+    radius = SURFACE_RADIUS * voxel_size
     regions = _consecutive(_join_flat(normals, adjacency, patches))
     for _ in range(2):
         regions = _join_smooth(points, normals, neighbours, adjacency, regions, radius)
@@ -75,17 +76,9 @@ def super_patches(
 def _join_flat(
     normals: NDArray[np.float64], adjacency: Neighbours, patches: NDArray[np.int32]
 ) -> NDArray[np.int32]:
-    rows = np.repeat(np.arange(len(patches)), np.diff(adjacency.indptr))
-    a, b = patches[rows], patches[adjacency.indices]
-    across = np.flatnonzero((a >= 0) & (a < b))
-    i, j = rows[across], adjacency.indices[across]
-    difference = 1 - np.einsum("ij,ij->i", normals[i], normals[j])
+    first, second, difference, count = patch_borders(normals, *adjacency, patches)
     group = average_linkage(
-        int(patches.max()) + 1,
-        a[across].astype(np.int64),
-        b[across].astype(np.int64),
-        difference,
-        1 - np.cos(FLAT_ANGLE),
+        int(patches.max()) + 1, first, second, difference, count, 1 - np.cos(FLAT_ANGLE)
     )
     return np.where(patches >= 0, group[patches], -1).astype(np.int32)
 

@@ -44,9 +44,9 @@ def smooth_normals(
     Parameters
     ----------
     width : float
-        Standard deviation of the spatial weight, in the unit of the points.
+        Distance at which a neighbour's weight has fallen to 2/3, in the unit of the points.
     angular_width : float
-        Angle at which a neighbour's weight has fallen to 1/e, radians.
+        Angle from which on a neighbour has no weight, radians.
     """
     m = len(points)
     spatial = np.empty(len(indices))
@@ -54,7 +54,7 @@ def smooth_normals(
         for k in range(indptr[i], indptr[i + 1]):
             j = indices[k]
             dx, dy, dz = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1], points[j, 2] - points[i, 2]
-            spatial[k] = math.exp(-(dx * dx + dy * dy + dz * dz) / (2 * width * width))
+            spatial[k] = 1 / (1 + (dx * dx + dy * dy + dz * dz) / (2 * width * width))
     sharpness = 1 / (1 - math.cos(angular_width))
     current = normals.copy()
     smoothed = np.empty_like(current)
@@ -65,11 +65,11 @@ def smooth_normals(
             for k in range(indptr[i], indptr[i + 1]):
                 j = indices[k]
                 difference = (1 - (current[j, 0] * x + current[j, 1] * y + current[j, 2] * z)) * sharpness
-                if difference < 8:
-                    weight = spatial[k] * math.exp(-difference)
-                    sx += weight * current[j, 0]
-                    sy += weight * current[j, 1]
-                    sz += weight * current[j, 2]
+                closeness = max(0.0, 1 - difference)
+                weight = spatial[k] * closeness * closeness
+                sx += weight * current[j, 0]
+                sy += weight * current[j, 1]
+                sz += weight * current[j, 2]
             length = math.sqrt(sx * sx + sy * sy + sz * sz)
             smoothed[i, 0], smoothed[i, 1], smoothed[i, 2] = sx / length, sy / length, sz / length
         current, smoothed = smoothed, current
@@ -104,14 +104,12 @@ def grow_supervoxels(
     for s in range(len(seeds)):
         owner[seeds[s]] = s
         distance[seeds[s]] = 0.0
+    frontier = np.sort(seeds)
+    changed = np.zeros(m, np.bool_)
+    next_owner = owner.copy()
     for _ in range(rounds):
-        next_owner = owner.copy()
-        next_distance = distance.copy()
-        changed = False
-        for i in range(m):
+        for i in frontier:
             s = owner[i]
-            if s < 0:
-                continue
             c = seeds[s]
             for k in range(indptr[i], indptr[i + 1]):
                 j = indices[k]
@@ -128,13 +126,16 @@ def grow_supervoxels(
                     + normals[j, 2] * normals[c, 2]
                 )
                 d = (dx * dx + dy * dy + dz * dz) / (seed_size * seed_size) + normal_weight * (1 - cosine)
-                if d < next_distance[j]:
-                    next_distance[j] = d
+                if d < distance[j]:
+                    distance[j] = d
                     next_owner[j] = s
-                    changed = True
-        owner, distance = next_owner, next_distance
-        if not changed:
+                    changed[j] = True
+        frontier = np.flatnonzero(changed)
+        if len(frontier) == 0:
             break
+        for j in frontier:
+            owner[j] = next_owner[j]
+            changed[j] = False
     return owner
 
 

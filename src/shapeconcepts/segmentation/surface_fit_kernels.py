@@ -9,26 +9,69 @@ from numba import njit
 from numpy.typing import NDArray
 
 MIN_FIT_POINTS = 6
-CURVATURE_RIDGE = 0.05
+CURVATURE_RIDGE = 0.005
 SLOPE_RIDGE = 0.001
+
+
+@njit(cache=True)
+def gather_surroundings(
+    points: NDArray[np.float64],
+    indptr: NDArray[np.int64],
+    indices: NDArray[np.int32],
+    voxel: int,
+    radius: float,
+    stamps: NDArray[np.int32],
+    stamp: int,
+    surroundings: NDArray[np.int32],
+) -> int:
+    """Collect the voxels within a radius that two steps through the neighbour lists reach, without the voxel itself.
+
+    Longer lists for all voxels would cost more than this does for the few at borders.
+
+    Parameters
+    ----------
+    stamps : (m,) int32
+        Scratch memory that holds no `stamp` yet.
+    surroundings : (m,) int32
+        Receives the voxels.
+
+    Returns
+    -------
+    int
+        Their number.
+    """
+    count = 0
+    stamps[voxel] = stamp
+    for k in range(indptr[voxel], indptr[voxel + 1]):
+        step = indices[k]
+        for second in range(indptr[step], indptr[step + 1]):
+            j = indices[second]
+            if stamps[j] == stamp:
+                continue
+            stamps[j] = stamp
+            dx = points[j, 0] - points[voxel, 0]
+            dy = points[j, 1] - points[voxel, 1]
+            dz = points[j, 2] - points[voxel, 2]
+            if dx * dx + dy * dy + dz * dz <= radius * radius:
+                surroundings[count] = j
+                count += 1
+    return count
 
 
 @njit(cache=True)
 def fit_surface(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
-    indptr: NDArray[np.int64],
-    indices: NDArray[np.int32],
     labels: NDArray[np.int32],
     region: int,
-    voxel: int,
+    surroundings: NDArray[np.int32],
     x: float,
     y: float,
     z: float,
     scale: float,
     workspace: NDArray[np.float64],
 ) -> tuple[int, float, float, float, float]:
-    """Fit a quadratic height field to the neighbours of a voxel that belong to one region.
+    """Fit a quadratic height field to those of some voxels that belong to one region.
 
     The field is ``h(u, v) = c0 + c1 u + c2 v + c3 u^2 + c4 u v + c5 v^2`` over the plane across the region's mean
     normal there, with the origin at (x, y, z). As only the region's own points enter, its slope at the origin is the
@@ -37,14 +80,14 @@ def fit_surface(
     Parameters
     ----------
     scale : float
-        Radius of the neighbourhood; makes the ridge on the coefficients independent of the unit.
+        Radius of the surroundings; makes the ridge on the coefficients independent of the unit.
     workspace : (7, 7) float64
         Scratch memory.
 
     Returns
     -------
     count : int
-        Number of points of the region in the neighbourhood; fewer than 6 give no fit, and 0 is returned.
+        Number of voxels of the region; fewer than 6 give no fit, and 0 is returned.
     height : float
         Signed distance of the surface from (x, y, z).
     nx, ny, nz : float
@@ -52,8 +95,7 @@ def fit_surface(
     """
     nx, ny, nz = 0.0, 0.0, 0.0
     count = 0
-    for k in range(indptr[voxel], indptr[voxel + 1]):
-        j = indices[k]
+    for j in surroundings:
         if labels[j] == region:
             nx += normals[j, 0]
             ny += normals[j, 1]
@@ -70,8 +112,7 @@ def fit_surface(
 
     s1 = su = sv = suu = suv = svv = suuu = suuv = suvv = svvv = 0.0
     suuuu = suuuv = suuvv = suvvv = svvvv = sh = shu = shv = shuu = shuv = shvv = 0.0
-    for k in range(indptr[voxel], indptr[voxel + 1]):
-        j = indices[k]
+    for j in surroundings:
         if labels[j] != region:
             continue
         dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z

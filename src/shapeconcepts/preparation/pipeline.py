@@ -13,7 +13,7 @@ from shapeconcepts.preparation.stray_points import stray_points
 from shapeconcepts.preparation.voxel_grid import VoxelGrid, adaptive_voxel_grid, voxel_grid
 from shapeconcepts.scan import Scan, ScanError
 
-NORMAL_RADIUS = 3.0
+NEIGHBOUR_RADIUS = 3.0
 
 
 def prepare(scan: Scan, *, voxel_size: float | str = "auto") -> PreparedObject:
@@ -52,13 +52,13 @@ def prepare(scan: Scan, *, voxel_size: float | str = "auto") -> PreparedObject:
             f"{name}: coordinates up to {np.abs(points).max():.3g}, expected metres (at most 1e9)"
         )
     grid = adaptive_voxel_grid(points) if isinstance(voxel_size, str) else voxel_grid(points, voxel_size)
-    neighbours = radius_neighbours(grid.points, NORMAL_RADIUS * grid.voxel_size)
+    neighbours = radius_neighbours(grid.points, NEIGHBOUR_RADIUS * grid.voxel_size)
     stray = stray_points(neighbours)
     if stray.any():
         points = points[~stray[grid.point_to_voxel]]
         finite[finite] = ~stray[grid.point_to_voxel]
         grid = _without(grid, stray)
-        neighbours = radius_neighbours(grid.points, NORMAL_RADIUS * grid.voxel_size)
+        neighbours = radius_neighbours(grid.points, NEIGHBOUR_RADIUS * grid.voxel_size)
     normals = principal_component_normals(grid.points, neighbours.indptr, neighbours.indices)
     viewpoint = scan.viewpoint
     if viewpoint is None:
@@ -69,6 +69,7 @@ def prepare(scan: Scan, *, voxel_size: float | str = "auto") -> PreparedObject:
         points=grid.points,
         normals=orient_normals(grid.points, normals, viewpoint),
         point_to_voxel=point_to_voxel,
+        neighbours=neighbours,
         voxel_size=grid.voxel_size,
         viewpoint=scan.viewpoint,
         name=scan.name,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shapeconcepts.neighbours import Neighbours, radius_neighbours
+from shapeconcepts.neighbours import Neighbours
 from shapeconcepts.preparation import PreparedObject, prepare
 from shapeconcepts.scan import Scan
 from shapeconcepts.segmentation.region_merging import absorb_small, segment_edges
@@ -14,9 +14,7 @@ from shapeconcepts.segmentation.supervoxel_kernels import closer_neighbours, inh
 from shapeconcepts.segmentation.supervoxels import supervoxels
 
 ADJACENCY_RADIUS = 2.0
-NORMAL_RADIUS = 3.0
-SURFACE_RADIUS = 5.0
-SMOOTHING_ANGLE = np.radians(14.0)
+SMOOTHING_ANGLE = np.radians(25.0)
 SMOOTHING_ROUNDS = 3
 MIN_SHARE = 0.05
 MIN_VOXELS = 25
@@ -63,13 +61,12 @@ def segment(
         raise ValueError(f"max_segments must be an integer of at least 1, got {max_segments!r}")
     prepared = scan if isinstance(scan, PreparedObject) else prepare(scan, voxel_size=voxel_size)
     points, voxel = prepared.points, prepared.voxel_size
-    neighbours = radius_neighbours(points, SURFACE_RADIUS * voxel)
-    nearby = Neighbours(*closer_neighbours(points, *neighbours, NORMAL_RADIUS * voxel))
-    adjacency = Neighbours(*closer_neighbours(points, *nearby, ADJACENCY_RADIUS * voxel))
+    neighbours = prepared.neighbours
+    adjacency = Neighbours(*closer_neighbours(points, *neighbours, ADJACENCY_RADIUS * voxel))
 
-    normals = smooth_normals(points, prepared.normals, *nearby, 2 * voxel, SMOOTHING_ANGLE, SMOOTHING_ROUNDS)
+    normals = smooth_normals(points, prepared.normals, *neighbours, 2 * voxel, SMOOTHING_ANGLE, SMOOTHING_ROUNDS)
     patches = supervoxels(points, normals, adjacency, voxel, max(seed_size, 4 * voxel))
-    regions = super_patches(points, normals, neighbours, adjacency, patches, voxel, SURFACE_RADIUS * voxel)
+    regions = super_patches(points, normals, neighbours, adjacency, patches, voxel)
     segments = absorb_small(adjacency, regions, max(MIN_SHARE * len(points), MIN_VOXELS), int(max_segments))
     return SegmentedObject(
         points=points,

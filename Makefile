@@ -1,0 +1,49 @@
+# Everything happens in a virtual environment inside the clone; only Python 3.11 to 3.13, pip and make are needed.
+#   make demo    simulate scans, segment them, draw the result
+#   make test    lint, check types, run the tests
+# Choose the interpreter with `make PYTHON=python3.12 ...`.
+
+PYTHON = python3
+VENV = .venv
+BIN = $(VENV)/bin
+DEMO = demo-output
+
+.PHONY: demo test lint format benchmark clean
+
+demo: $(VENV)/installed
+	@rm -rf $(DEMO)
+	$(BIN)/shapeconcepts simulate $(DEMO)/scans --n-per-category 4 --random-state 1
+	$(BIN)/shapeconcepts segment $(DEMO)/scans --image $(DEMO)/segments.png
+	@echo "The picture is $(CURDIR)/$(DEMO)/segments.png"
+
+test: lint
+	@$(BIN)/python -m pytest
+
+lint: $(VENV)/installed-test
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy
+
+format: $(VENV)/installed-test
+	@$(BIN)/ruff check --fix .
+	@$(BIN)/ruff format .
+
+benchmark: $(VENV)/installed-test
+	$(BIN)/python -m benchmarks
+
+clean:
+	rm -rf $(VENV) $(DEMO) build dist
+
+# Debian's Python cannot put pip into an environment (ensurepip is a package of its own), so the pip outside installs.
+INSTALL = $(PYTHON) -m pip --python $(BIN)/python install --quiet --disable-pip-version-check
+
+$(VENV)/installed: pyproject.toml
+	@echo "Setting up $(VENV) (once; about a minute)"
+	@$(PYTHON) -m venv --without-pip $(VENV)
+	@$(INSTALL) --editable .
+	@touch $@
+
+$(VENV)/installed-test: $(VENV)/installed
+	@echo "Adding the tools for testing"
+	@$(INSTALL) --editable '.[test]'
+	@touch $@

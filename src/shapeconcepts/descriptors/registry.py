@@ -1,0 +1,29 @@
+"""Descriptors by name."""
+
+from __future__ import annotations
+
+from shapeconcepts.descriptors.fpfh import FPFH
+from shapeconcepts.descriptors.protocol import Descriptor
+from shapeconcepts.descriptors.surflet import Surflet
+
+DESCRIPTORS: dict[str, type[FPFH] | type[Surflet]] = {"fpfh": FPFH, "surflet": Surflet}
+
+
+def get_descriptor(descriptor: str | Descriptor) -> Descriptor:
+    """A descriptor from its name, with default parameters, or the given descriptor itself.
+
+    Parameters
+    ----------
+    descriptor : {"fpfh", "surflet"} or Descriptor
+
+    Raises
+    ------
+    ValueError
+        If it is neither a known name nor an object with a `describe` method.
+    """
+    if isinstance(descriptor, str) and descriptor in DESCRIPTORS:
+        return DESCRIPTORS[descriptor]()
+    if isinstance(descriptor, Descriptor) and not isinstance(descriptor, type):
+        return descriptor
+    names = ", ".join(map(repr, DESCRIPTORS))
+    raise ValueError(f"descriptor must be one of {names} or have a describe method, got {descriptor!r}")

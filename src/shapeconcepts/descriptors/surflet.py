@@ -1,0 +1,122 @@
+"""Surflet-pair relations: how the surface elements of an object lie to each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts.descriptors.protocol import Description
+from shapeconcepts.descriptors.surface import checked_labels, checked_surface
+from shapeconcepts.descriptors.surflet_kernels import accumulate_relations, largest_distance
+from shapeconcepts.segmentation.segmented_object import SegmentedObject
+
+SCALES = ("relative", "metric")
+DISTANCE_BINS = 5
+ANGLE_BINS = 9
+N_BINS = DISTANCE_BINS * 3 * ANGLE_BINS
+METRIC_RANGE = 0.5
+# Edge of the cells in which points are averaged, in root mean square distances from the centroid: 400 to 600
+# cells for a typical view, whatever the size and density of the object.
+_CELL_FRACTION = 1 / 6
+# Metres. Coincident points lie this close after rounding, and have no angles.
+_SMALLEST_DIAMETER = 1e-9
+
+
+@dataclass(frozen=True)
+class Surflet:
+    """Descriptor of segments and of pairs of segments by surflet-pair relations (Wahl et al., 3DIM 2003).
+
+    A surflet is a point with a normal. Two of them relate by their distance and three angles, theta, alpha
+    and phi (Wahl's alpha, beta and gamma; the names here are those of FPFH). The histogram holds, for each of
+    5 distances, 9 bins of each angle: 135 bins. A constellation's histogram covers all pairs of points within
+    and across its segments, so it also tells how the segments lie to each other.
+
+    Points are not paired one by one: those of a segment that share a cell of a coarse grid are averaged to
+    one surflet, and a pair of surflets weighs as many pairs as it stands for. Pairs within a cell are left
+    out; a segment in a single cell has no mass of its own.
+
+    Parameters
+    ----------
+    scale : {"relative", "metric"}
+        Distances in parts of the object's diameter (the largest distance of two surflets), so that size does
+        not matter; or in metres, from 0 to 0.5, larger ones counted as 0.5.
+    """
+
+    scale: str = "relative"
+
+    def describe(self, segmented: SegmentedObject) -> Description:
+        """Histograms of each segment's pairs of points and of the pairs across each two segments.
+
+        Raises
+        ------
+        ValueError
+            If `scale` is unknown, or the object's arrays do not fit.
+        """
+        if self.scale not in SCALES:
+            raise ValueError(f"scale must be one of {', '.join(map(repr, SCALES))}, got {self.scale!r}")
+        points, normals = checked_surface(segmented.points, segmented.normals)
+        surflets = _average_cells(points, normals, checked_labels(segmented))
+        n = segmented.n_segments
+        padded = np.zeros((n, n, DISTANCE_BINS + 2, 3, ANGLE_BINS + 2))
+        diameter = largest_distance(surflets.points)
+        if diameter > _SMALLEST_DIAMETER:
+            distance_range = diameter if self.scale == "relative" else METRIC_RANGE
+            accumulate_relations(*surflets, distance_range, padded)
+        histograms = _fold_ends(padded).reshape(n, n, N_BINS)
+        first, second = np.triu_indices(n, k=1)
+        return Description(
+            segment_histograms=histograms[np.arange(n), np.arange(n)],
+            pairs=np.stack([first, second], axis=1).astype(np.int32),
+            pair_histograms=histograms[first, second],
+        )
+
+
+class _Surflets(NamedTuple):
+    """Averaged points in the order of their segments: points and normals (3, k), weights and labels (k,)."""
+
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    segment_labels: NDArray[np.int64]
+
+
+def _average_cells(
+    points: NDArray[np.float64], normals: NDArray[np.float64], segment_labels: NDArray[np.int32]
+) -> _Surflets:
+    """Average the points of each segment in each cell of a grid around the centroid."""
+    kept = segment_labels >= 0
+    points, normals, labels = points[kept], normals[kept], segment_labels[kept].astype(np.int64)
+    if len(points) == 0:
+        return _Surflets(np.empty((3, 0)), np.empty((3, 0)), np.empty(0), labels)
+    offsets = points - points.mean(axis=0)
+    cell_size = _CELL_FRACTION * np.sqrt(np.einsum("ij,ij->", offsets, offsets) / len(points))
+    # The centroid lies within a cell: on a border, rounding would decide on the points of symmetric objects.
+    cells = np.floor(offsets / cell_size + 0.5) if cell_size > 0.0 else np.zeros_like(offsets)
+    cells = (cells - cells.min(axis=0)).astype(np.int64)
+    size = cells.max(axis=0) + 1
+    keys = ((labels * size[0] + cells[:, 0]) * size[1] + cells[:, 1]) * size[2] + cells[:, 2]
+    occupied, cell_of_point, counts = np.unique(keys, return_inverse=True, return_counts=True)
+    means, normal_sums = (
+        np.stack([np.bincount(cell_of_point, axis) for axis in vectors.T]) / counts
+        for vectors in (offsets, normals)
+    )
+    lengths = np.sqrt((normal_sums**2).sum(axis=0))
+    mean_normals = np.divide(normal_sums, lengths, out=np.zeros_like(normal_sums), where=lengths > 0.0)
+    return _Surflets(means, mean_normals, counts.astype(np.float64), occupied // size.prod())
+
+
+def _fold_ends(padded: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Put the extra bins at the ends of the axes where they belong: theta goes around, the others stop."""
+    by_distance = padded[..., 1:-1, :, :].copy()
+    by_distance[..., 0, :, :] += padded[..., 0, :, :]
+    by_distance[..., -1, :, :] += padded[..., -1, :, :]
+    histograms = by_distance[..., 1:-1].copy()
+    front, back = by_distance[..., 0], by_distance[..., -1]
+    histograms[..., 0, -1] += front[..., 0]
+    histograms[..., 0, 0] += back[..., 0]
+    histograms[..., 1:, 0] += front[..., 1:]
+    histograms[..., 1:, -1] += back[..., 1:]
+    return histograms

@@ -1,0 +1,33 @@
+"""Kernel that finds connected components."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+
+@njit(cache=True)
+def connected_components(indptr: NDArray[np.int64], indices: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Number the connected components of a symmetric graph in CSR form in the order of their first vertex."""
+    m = len(indptr) - 1
+    component = np.full(m, -1, np.int32)
+    stack = np.empty(m, np.int32)
+    count = 0
+    for start in range(m):
+        if component[start] >= 0:
+            continue
+        component[start] = count
+        stack[0] = start
+        depth = 1
+        while depth > 0:
+            depth -= 1
+            i = stack[depth]
+            for k in range(indptr[i], indptr[i + 1]):
+                j = indices[k]
+                if component[j] < 0:
+                    component[j] = count
+                    stack[depth] = j
+                    depth += 1
+        count += 1
+    return component
