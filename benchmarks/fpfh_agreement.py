@@ -6,23 +6,23 @@ FOLDER holds PCD scans in metres with the camera at the origin; by default ../sh
 the repository. Open3D makes the 5 mm voxels and the normals (1.5 cm) that both sides are given.
 """
 
-import argparse
 import os
-import time
-from pathlib import Path
 
 os.environ["OMP_NUM_THREADS"] = "1"  # read when Open3D is imported
+
+import time
+from pathlib import Path
 
 import numpy as np
 import open3d as o3d
 
+from common import add_folder, command
 from shapeconcepts.descriptors import FPFH, compute_fpfh
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 VOXEL_SIZE = 0.005
 NORMAL_RADIUS = 0.015
 RADIUS = 0.03
-DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "seven_shapes"
 
 
 def voxels_with_normals(path: Path) -> o3d.geometry.PointCloud:
@@ -54,9 +54,11 @@ def milliseconds(function, *arguments, repeats: int) -> float:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", nargs="?", type=Path, default=DATA)
-    parser.add_argument("--every", type=int, default=10, help="use every n-th scan (default: 10)")
+    parser = command(__doc__)
+    add_folder(parser, "seven_shapes")
+    parser.add_argument(
+        "--every", type=int, default=10, metavar="N", help="take every N-th scan (default: 10)"
+    )
     options = parser.parse_args()
     paths = sorted(options.folder.rglob("*.pcd"))[:: options.every]
     if not paths:

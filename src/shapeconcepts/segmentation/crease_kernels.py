@@ -79,6 +79,7 @@ def crease_angle(
 
     At up to `max_places` places along the border both regions' surfaces are extended to the border, each from its own
     points; the angle between them is signed, so that noise cancels along a border where the surface is smooth.
+    Infinite where no place has enough points on both sides.
     """
     a, b = labels[first[0]], labels[second[0]]
     workspace = np.empty((7, 7))
@@ -112,7 +113,7 @@ def crease_angle(
         # The side with fewer points limits how well the angle is known.
         total += min(count_a, count_b) * (angle if opening >= 0 else -angle)
         weight += min(count_a, count_b)
-    return total / weight if weight > 0 else 0.0
+    return total / weight if weight > 0 else math.inf
 
 
 @njit(cache=True)

@@ -13,10 +13,10 @@ from shapeconcepts.segmentation.super_patches import super_patches
 from shapeconcepts.segmentation.supervoxel_kernels import closer_neighbours, inherit_patches, smooth_normals
 from shapeconcepts.segmentation.supervoxels import supervoxels
 
-ADJACENCY_RADIUS = 2.0
+ADJACENCY_RADIUS = 2.5
 SMOOTHING_ANGLE = np.radians(25.0)
 SMOOTHING_ROUNDS = 3
-MIN_SHARE = 0.05
+MIN_SHARE = 0.04
 MIN_VOXELS = 25
 
 
@@ -30,8 +30,8 @@ def segment(
     """Cut an object into its surface segments.
 
     Supervoxels (atomic patches) are joined to segments (super patches) where the surface goes on smoothly: a box gives
-    one segment for each visible face, a can its side and its cap, a ball one. Segments of less than 5 % of the object
-    or 25 voxels go to the neighbour with the longest border. The result does not depend on the object's pose.
+    one segment for each visible face, a can its side and its cap, a ball one. Segments of less than 4 % of the scan's
+    points or 25 voxels go to the neighbour with the longest border. The result does not depend on the object's pose.
 
     Parameters
     ----------
@@ -67,7 +67,8 @@ def segment(
     normals = smooth_normals(points, prepared.normals, *neighbours, 2 * voxel, SMOOTHING_ANGLE, SMOOTHING_ROUNDS)
     patches = supervoxels(points, normals, adjacency, voxel, max(seed_size, 4 * voxel))
     regions = super_patches(points, normals, neighbours, adjacency, patches, voxel)
-    segments = absorb_small(adjacency, regions, max(MIN_SHARE * len(points), MIN_VOXELS), int(max_segments))
+    weights = np.bincount(prepared.point_to_voxel[prepared.point_to_voxel >= 0], minlength=len(points))
+    segments = absorb_small(adjacency, regions, weights, MIN_SHARE, MIN_VOXELS, int(max_segments))
     return SegmentedObject(
         points=points,
         normals=prepared.normals,

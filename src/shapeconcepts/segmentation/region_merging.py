@@ -20,7 +20,12 @@ def border_lengths(adjacency: Neighbours, labels: NDArray[np.int32]) -> NDArray[
 
 
 def absorb_small(
-    adjacency: Neighbours, labels: NDArray[np.int32], min_size: float, max_segments: int
+    adjacency: Neighbours,
+    labels: NDArray[np.int32],
+    weights: NDArray[np.int64],
+    min_share: float,
+    min_voxels: int,
+    max_segments: int,
 ) -> NDArray[np.int32]:
     """Merge the smallest segment into the neighbour with the longest border, until all are large and few enough.
 
@@ -30,7 +35,11 @@ def absorb_small(
     ----------
     labels : (m,) int32
         Segments 0 to n - 1, -1 for none.
-    min_size : float
+    weights : (m,) int64
+        Number of scan points in each voxel.
+    min_share : float
+        Share of the scan points below which a segment is merged.
+    min_voxels : int
         Number of voxels below which a segment is merged.
     max_segments : int
 
@@ -40,13 +49,17 @@ def absorb_small(
         Segments numbered in the order of falling size, -1 for none.
     """
     border = border_lengths(adjacency, labels)
-    size = np.bincount(labels[labels >= 0], minlength=len(border))
+    members = labels >= 0
+    size = np.bincount(labels[members], minlength=len(border))
+    mass = np.bincount(labels[members], weights[members], minlength=len(border))
+    min_mass = min_share * weights.sum()
     target = np.arange(len(border))
     alive = list(range(len(border)))
     while len(alive) > 1:
-        smallest = min(alive, key=lambda s: (size[s], -s))
-        if size[smallest] >= min_size and len(alive) <= max_segments:
+        small = [s for s in alive if mass[s] < min_mass or size[s] < min_voxels]
+        if not small and len(alive) <= max_segments:
             break
+        smallest = min(small or alive, key=lambda s: (size[s], -s))
         alive.remove(smallest)
         neighbour = int(np.argmax(border[smallest]))
         if border[smallest, neighbour] == 0:
@@ -54,6 +67,7 @@ def absorb_small(
             continue
         target[target == smallest] = neighbour
         size[neighbour] += size[smallest]
+        mass[neighbour] += mass[smallest]
         border[neighbour] += border[smallest]
         border[:, neighbour] += border[:, smallest]
         border[neighbour, neighbour] = 0

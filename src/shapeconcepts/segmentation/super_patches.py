@@ -12,7 +12,7 @@ from shapeconcepts.segmentation.crease_kernels import border_pairs, crease_angle
 from shapeconcepts.segmentation.linkage_kernels import average_linkage, patch_borders
 
 FLAT_ANGLE = np.radians(12.0)
-CREASE_ANGLE = np.radians(37.0)
+CREASE_ANGLE = np.radians(33.0)
 CREASE_PLACES = 16
 SURFACE_RADIUS = 5.5
 BORDER_SMOOTHNESS = 0.6
@@ -32,7 +32,7 @@ def super_patches(
     First, patches are joined by average linkage while the normals turn by less than 12 degrees across their border:
     this gives nearly flat regions, large enough to fit a surface to. Then the regions on both sides of each border are
     extended to it, each from its own points, and the pair that meets at the smallest angle is joined, again and again,
-    until every remaining border is a crease of more than 37 degrees. Neither step can leak through a weak spot, as both
+    until every remaining border is a crease of more than 33 degrees. Neither step can leak through a weak spot, as both
     judge a border as a whole. Last, the voxels at the borders go to the side whose surface they lie on, and the borders
     are judged again.
 

@@ -9,7 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 MIN_FIT_POINTS = 6
-CURVATURE_RIDGE = 0.005
+CURVATURE_RIDGE = 0.02
 SLOPE_RIDGE = 0.001
 
 

@@ -12,9 +12,9 @@ SIDE, TOP, BOTTOM = range(3)
 
 
 def make_can(rng: np.random.Generator) -> Mesh:
-    """A can 4 to 16 cm across and 4 to 28 cm high, flat or recessed at the ends, one in four lying."""
-    radius = np.exp(rng.uniform(np.log(0.02), np.log(0.08)))
-    height = float(np.clip(2.0 * radius * np.exp(rng.uniform(np.log(0.6), np.log(2.8))), 0.04, 0.28))
+    """A can 5 to 17 cm across and 4 to 30 cm high, flat or recessed at the ends, one in four lying."""
+    radius = np.exp(rng.uniform(np.log(0.025), np.log(0.085)))
+    height = float(np.clip(2.0 * radius * np.exp(rng.uniform(np.log(0.6), np.log(2.8))), 0.04, 0.3))
     oval = 1.0 + rng.uniform(0.0, 0.04) * (rng.random() < 0.3)
     narrowing = rng.uniform(0.0, 0.06) * (rng.random() < 0.25)
     shoulder = rng.uniform(0.0, 0.04) * radius

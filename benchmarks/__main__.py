@@ -1,0 +1,39 @@
+"""Runs every benchmark, one after the other: about ten minutes on the machine of BENCHMARK.md.
+
+    python -m benchmarks
+
+The data is expected in ../shared/data beside the repository; a benchmark that lacks its data, or Open3D, fails, and the
+others go on. The pictures in docs/images are not drawn anew; `python benchmarks/fall_off.py` does that.
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+
+COMMANDS = (
+    "segment_accuracy.py",
+    "segment_accuracy.py --simulated 0 1 2",
+    "real_crops.py",
+    "hidden_sensor.py",
+    "rigid_motion.py",
+    "speed.py",
+    "fpfh_agreement.py",
+    "growth.py",
+    "start.py",
+)
+
+
+def main() -> None:
+    folder = Path(__file__).resolve().parent
+    failed = []
+    for command in COMMANDS:
+        print(f"\n== benchmarks/{command}", flush=True)
+        script, *arguments = command.split()
+        if subprocess.run([sys.executable, str(folder / script), *arguments]).returncode != 0:
+            failed.append(command)
+    if failed:
+        sys.exit(f"\nfailed: {', '.join(failed)}")
+
+
+if __name__ == "__main__":
+    main()

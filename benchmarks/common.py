@@ -1,0 +1,52 @@
+"""What the benchmark commands share: where the data lies, and tables."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts import Scan, ScanError, datasets, read_scans
+
+SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+
+
+def command(description: str) -> ArgumentParser:
+    """Parser of a command whose docstring is its manual."""
+    return ArgumentParser(description=description, formatter_class=RawDescriptionHelpFormatter)
+
+
+def add_folder(parser: ArgumentParser, name: str) -> None:
+    """Add the argument `folder`, by default one of the shared data sets."""
+    parser.add_argument(
+        "folder",
+        nargs="?",
+        type=Path,
+        default=SHARED_DATA / name,
+        help=f"data; by default ../shared/data/{name} beside the repository",
+    )
+
+
+def scans_in(parser: ArgumentParser, folder: Path) -> list[Scan]:
+    """Scans of a folder of category folders, or the objects of labelled scenes."""
+    try:
+        return datasets.load_osd(folder) if any(folder.glob("*.pcd")) else read_scans(folder)
+    except ScanError as error:
+        parser.error(str(error))
+
+
+def percent(flags: Sequence[bool] | NDArray[np.bool_]) -> str:
+    """Share of what is true, as text; "-" where there is nothing."""
+    return f"{100 * np.mean(flags):.1f}" if len(flags) else "-"
+
+
+def print_table(titles: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Columns as wide as they need, the first to the left, the others to the right."""
+    lines = [[str(cell) for cell in row] for row in (titles, *rows)]
+    widths = [max(len(line[column]) for line in lines) for column in range(len(titles))]
+    for line in lines:
+        cells = [cell.rjust(width) for cell, width in zip(line, widths, strict=True)]
+        print("  ".join([line[0].ljust(widths[0]), *cells[1:]]).rstrip())
