@@ -2,8 +2,8 @@
 
     python -m benchmarks
 
-The data is expected in ../shared/data beside the repository; a benchmark that lacks its data, or Open3D, fails, and the
-others go on. The pictures in docs/images are not drawn anew; `python benchmarks/fall_off.py` does that.
+The data is expected in ../shared/data beside the repository. A benchmark that lacks its data or Open3D fails,
+and the others go on. The pictures in docs/images stay: `python benchmarks/fall_off.py` draws them anew.
 """
 
 import subprocess

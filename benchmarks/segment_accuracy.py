@@ -75,6 +75,10 @@ def evaluate(scan: Scan) -> Result:
     )
 
 
+def is_wanted(scan: Scan) -> bool:
+    return scan.label in CATEGORIES and scan.point_labels is not None and scan.viewpoint is not None
+
+
 def exact_row(title: str, results: list[Result]) -> list[object]:
     groups = (
         [result for result in results if result.is_near],
@@ -149,9 +153,9 @@ def main() -> None:
         }
     everything = []
     for name, scans in sources.items():
-        results = [evaluate(scan) for scan in scans if scan.label in CATEGORIES]
+        results = [evaluate(scan) for scan in scans if is_wanted(scan)]
         if not results:
-            parser.error(f"{options.folder}: holds no scans of {', '.join(CATEGORIES)}")
+            parser.error(f"{options.folder}: holds no labelled scans of {', '.join(CATEGORIES)}")
         everything += results
         print(f"\n{name}: {len(results)} scans")
         report(results, options.verbose)

@@ -24,11 +24,13 @@ IMPORT = "import time; start = time.perf_counter(); import shapeconcepts; print(
 USE = """
 from dataclasses import replace
 import shapeconcepts as sc
+from shapeconcepts.descriptors import compute_fpfh
 scan, = sc.datasets.simulate(1, categories=["can"])
 segmented = sc.segment(scan)
 sc.segment(replace(scan, viewpoint=None))
 sc.FPFH().describe(segmented)
 sc.Surflet().describe(segmented)
+compute_fpfh(segmented.points, segmented.normals, 0.03)
 """
 
 

@@ -46,7 +46,7 @@ def fit(points, normals, labels, region, at, scale=SCALE):
 
 
 def wedge(turn: float, half: int = 14, jitter: float = 0.25, seed: int = 0):
-    """Two half planes, one point per unit square, that meet along y at an angle of `turn` (convex: positive)."""
+    """Two half planes, one point per unit square, that meet along y at an angle `turn` (convex > 0)."""
     rng = np.random.default_rng(seed)
     s, y = (part.ravel() for part in np.meshgrid(np.arange(half) + 0.5, np.arange(2 * half)))
     points, normals = [], []
@@ -203,7 +203,7 @@ def test_smooth_surface_has_no_crease(make, radius):
 def test_border_without_surface_has_no_angle():
     points = np.array([[0.0, 0, 0], [1, 0, 0]])
     normals = np.tile([0.0, 0.0, 1.0], (2, 1))
-    assert angle_between(points, normals, np.array([0, 1], np.int32)) == 0.0
+    assert angle_between(points, normals, np.array([0, 1], np.int32)) == np.inf
 
 
 @pytest.mark.parametrize("turn", [60, 90, -90, 110])

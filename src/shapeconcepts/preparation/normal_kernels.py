@@ -39,7 +39,7 @@ def smallest_eigenvector(
         x0, y0, z0, n0 = x1, y1, z1, n1
     if n2 > n0:
         x0, y0, z0, n0 = x2, y2, z2, n2
-    if n0 < 1e-20:
+    if n0 < 1e-12:
         return _any_perpendicular(a, b, c, d, e, f)
     length = math.sqrt(n0)
     return x0 / length, y0 / length, z0 / length

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from numbers import Real
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +16,7 @@ from shapeconcepts.preparation.voxel_grid import VoxelGrid, adaptive_voxel_grid,
 from shapeconcepts.scan import Scan, ScanError
 
 NEIGHBOUR_RADIUS = 3.0
+STRAY_ROUNDS = 2
 
 
 def prepare(scan: Scan, *, voxel_size: float | str = "auto") -> PreparedObject:
@@ -41,7 +44,8 @@ def prepare(scan: Scan, *, voxel_size: float | str = "auto") -> PreparedObject:
     ValueError
         If `voxel_size` is neither "auto" nor a positive number.
     """
-    check_voxel_size(voxel_size)
+    if voxel_size != "auto":
+        voxel_size = check_length("voxel_size", voxel_size)
     finite = np.isfinite(scan.points).all(axis=1)
     points = scan.points[finite]
     name = scan.name or "scan"
@@ -51,10 +55,12 @@ def prepare(scan: Scan, *, voxel_size: float | str = "auto") -> PreparedObject:
         raise ScanError(
             f"{name}: coordinates up to {np.abs(points).max():.3g}, expected metres (at most 1e9)"
         )
-    grid = adaptive_voxel_grid(points) if isinstance(voxel_size, str) else voxel_grid(points, voxel_size)
+    grid = voxel_grid(points, voxel_size) if isinstance(voxel_size, float) else adaptive_voxel_grid(points)
     neighbours = radius_neighbours(grid.points, NEIGHBOUR_RADIUS * grid.voxel_size)
-    stray = stray_points(neighbours)
-    if stray.any():
+    for _ in range(STRAY_ROUNDS):
+        stray = stray_points(neighbours)
+        if not stray.any():
+            break
         points = points[~stray[grid.point_to_voxel]]
         finite[finite] = ~stray[grid.point_to_voxel]
         grid = _without(grid, stray)
@@ -77,12 +83,11 @@ def prepare(scan: Scan, *, voxel_size: float | str = "auto") -> PreparedObject:
     )
 
 
-def check_voxel_size(voxel_size: float | str) -> None:
-    """Raise a ValueError unless `voxel_size` is "auto" or a positive number."""
-    if voxel_size == "auto":
-        return
-    if isinstance(voxel_size, str) or not (np.isfinite(voxel_size) and voxel_size > 0):
-        raise ValueError(f"voxel_size must be 'auto' or a positive number of metres, got {voxel_size!r}")
+def check_length(name: str, value: object) -> float:
+    """Return a positive number of metres, or raise a ValueError that names the parameter."""
+    if isinstance(value, bool) or not isinstance(value, Real) or not 0 < float(value) < np.inf:
+        raise ValueError(f"{name} must be a positive number of metres, got {value!r}")
+    return float(value)
 
 
 def _without(grid: VoxelGrid, dropped: NDArray[np.bool_]) -> VoxelGrid:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from shapeconcepts.neighbours import Neighbours
 from shapeconcepts.preparation.component_kernels import connected_components
 
-MIN_NEIGHBOURS = 4
+MIN_NEIGHBOURS = 3
 MIN_COMPONENT_SHARE = 0.01
 
 
@@ -23,7 +23,7 @@ def stray_points(neighbours: Neighbours) -> NDArray[np.bool_]:
     Returns
     -------
     (m,) bool
-        True for a point with fewer than 4 neighbours, or in a connected component of less than 1 % of the points.
+        True for a point with fewer than 3 neighbours, or in a connected component of less than 1 % of the points.
         Where that would be all of them, none is stray.
     """
     m = len(neighbours.indptr) - 1

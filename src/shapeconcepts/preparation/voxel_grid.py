@@ -59,7 +59,7 @@ def adaptive_voxel_grid(points: NDArray[np.float64]) -> VoxelGrid:
         Finite coordinates, n >= 1.
     """
     coordinates = canonical_coordinates(points)
-    extent = float(np.linalg.norm(np.ptp(coordinates, axis=0)))
+    extent = _robust_extent(coordinates)
     voxel_size = KINECT_VOXEL_SIZE if 0.02 <= extent <= 5.0 or extent == 0.0 else extent / 60
     keys = _cell_keys(coordinates, voxel_size)
     occupied = len(np.unique(keys))
@@ -70,9 +70,20 @@ def adaptive_voxel_grid(points: NDArray[np.float64]) -> VoxelGrid:
     return _fill(points, keys, voxel_size)
 
 
+def _robust_extent(coordinates: NDArray[np.float64]) -> float:
+    """Diagonal of the box around all but the outermost 2 % at each end, so that a far stray point does not count."""
+    outside = len(coordinates) // 50
+    ranks = [outside, len(coordinates) - 1 - outside]
+    low, high = np.partition(coordinates, ranks, axis=0)[ranks]
+    return float(np.linalg.norm(high - low))
+
+
 def _cell_keys(coordinates: NDArray[np.float64], voxel_size: float) -> NDArray[np.int64]:
     # Rounding, not flooring: the centroid, where cells would meet, is the middle of many symmetric objects.
-    cells = np.rint(coordinates / voxel_size)
+    with np.errstate(over="ignore"):
+        cells = np.rint(coordinates / voxel_size)
+    if not np.isfinite(cells).all():
+        raise ValueError(f"voxel_size {voxel_size!r} is too small for an object of {np.ptp(coordinates):.3g} m")
     cells -= cells.min(axis=0)
     size = cells.max(axis=0) + 1
     if size.prod() >= 2.0**62:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from numbers import Integral
+
 import numpy as np
 
 from shapeconcepts.neighbours import Neighbours
 from shapeconcepts.preparation import PreparedObject, prepare
+from shapeconcepts.preparation.pipeline import check_length
 from shapeconcepts.scan import Scan
 from shapeconcepts.segmentation.region_merging import absorb_small, segment_edges
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
@@ -55,9 +58,8 @@ def segment(
     ValueError
         If a parameter is out of range.
     """
-    if not (np.isfinite(seed_size) and seed_size > 0):
-        raise ValueError(f"seed_size must be a positive number of metres, got {seed_size!r}")
-    if isinstance(max_segments, bool) or int(max_segments) != max_segments or max_segments < 1:
+    seed_size = check_length("seed_size", seed_size)
+    if isinstance(max_segments, bool) or not isinstance(max_segments, Integral) or max_segments < 1:
         raise ValueError(f"max_segments must be an integer of at least 1, got {max_segments!r}")
     prepared = scan if isinstance(scan, PreparedObject) else prepare(scan, voxel_size=voxel_size)
     points, voxel = prepared.points, prepared.voxel_size

@@ -37,7 +37,7 @@ def supervoxels(
         Patch of each voxel, -1 where none reached it.
     """
     seeds = _seed_voxels(points, seed_size)
-    rounds = int(1.8 * seed_size / voxel_size) + 1
+    rounds = int(min(1.8 * seed_size / voxel_size, len(points))) + 1
     first = grow_supervoxels(points, normals, *adjacency, seeds, seed_size, NORMAL_WEIGHT, rounds)
     centres = central_voxels(points, first, seeds)
     return grow_supervoxels(points, normals, *adjacency, centres, seed_size, NORMAL_WEIGHT, rounds)

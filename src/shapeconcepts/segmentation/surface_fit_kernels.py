@@ -146,7 +146,7 @@ def fit_surface(
     a[1, 1], a[1, 2], a[1, 3], a[1, 4], a[1, 5], a[1, 6] = suu + SLOPE_RIDGE, suv, suuu, suuv, suvv, shu
     a[2, 2], a[2, 3], a[2, 4], a[2, 5], a[2, 6] = svv + SLOPE_RIDGE, suuv, suvv, svvv, shv
     a[3, 3], a[3, 4], a[3, 5], a[3, 6] = suuuu + CURVATURE_RIDGE, suuuv, suuvv, shuu
-    a[4, 4], a[4, 5], a[4, 6] = suuvv + CURVATURE_RIDGE, suvvv, shuv
+    a[4, 4], a[4, 5], a[4, 6] = suuvv + CURVATURE_RIDGE / 2, suvvv, shuv
     a[5, 5], a[5, 6] = svvvv + CURVATURE_RIDGE, shvv
     _solve_symmetric(a)
     c0, c1, c2 = a[0, 6], a[1, 6], a[2, 6]
