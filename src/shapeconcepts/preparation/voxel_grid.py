@@ -42,7 +42,7 @@ def voxel_grid(points: NDArray[np.float64], voxel_size: float) -> VoxelGrid:
     voxel_size : float
         Edge length of a cell, in the unit of the points.
     """
-    return _fill(points, _cell_keys(canonical_coordinates(points), voxel_size), voxel_size)
+    return _fill(points, cell_keys(canonical_coordinates(points), voxel_size), voxel_size)
 
 
 def adaptive_voxel_grid(points: NDArray[np.float64]) -> VoxelGrid:
@@ -61,12 +61,12 @@ def adaptive_voxel_grid(points: NDArray[np.float64]) -> VoxelGrid:
     coordinates = canonical_coordinates(points)
     extent = _robust_extent(coordinates)
     voxel_size = KINECT_VOXEL_SIZE if 0.02 <= extent <= 5.0 or extent == 0.0 else extent / 60
-    keys = _cell_keys(coordinates, voxel_size)
-    occupied = len(np.unique(keys))
+    keys = cell_keys(coordinates, voxel_size)
+    occupied = _count(keys)
     while len(points) < 0.9 * POINTS_PER_VOXEL * occupied and voxel_size < extent / 10:
         voxel_size *= float(np.sqrt(POINTS_PER_VOXEL * occupied / len(points)))
-        keys = _cell_keys(coordinates, voxel_size)
-        occupied = len(np.unique(keys))
+        keys = cell_keys(coordinates, voxel_size)
+        occupied = _count(keys)
     return _fill(points, keys, voxel_size)
 
 
@@ -78,18 +78,24 @@ def _robust_extent(coordinates: NDArray[np.float64]) -> float:
     return float(np.linalg.norm(high - low))
 
 
-def _cell_keys(coordinates: NDArray[np.float64], voxel_size: float) -> NDArray[np.int64]:
+def cell_keys(coordinates: NDArray[np.float64], voxel_size: float) -> NDArray[np.int64]:
+    """Number the cell of a regular grid that each point, (n, 3), lies in."""
     # Rounding, not flooring: the centroid, where cells would meet, is the middle of many symmetric objects.
+    axes = np.ascontiguousarray(coordinates.T)
     with np.errstate(over="ignore"):
-        cells = np.rint(coordinates / voxel_size)
+        cells = np.rint(axes / voxel_size)
     if not np.isfinite(cells).all():
-        raise ValueError(f"voxel_size {voxel_size!r} is too small for an object of {np.ptp(coordinates):.3g} m")
-    cells -= cells.min(axis=0)
-    size = cells.max(axis=0) + 1
+        raise ValueError(f"voxel_size {voxel_size!r} is too small for an object of {np.ptp(axes):.3g} m")
+    cells -= cells.min(axis=1, keepdims=True)
+    size = cells.max(axis=1) + 1
     if size.prod() >= 2.0**62:
-        return np.unique(cells, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
-    x, y, z = cells.T.astype(np.int64)
+        return np.unique(cells, axis=1, return_inverse=True)[1].reshape(-1).astype(np.int64)
+    x, y, z = cells.astype(np.int64)
     return (x * int(size[1]) + y) * int(size[2]) + z
+
+
+def _count(keys: NDArray[np.int64]) -> int:
+    return 1 + int(np.count_nonzero(np.diff(np.sort(keys))))
 
 
 def _fill(points: NDArray[np.float64], keys: NDArray[np.int64], voxel_size: float) -> VoxelGrid:
@@ -98,7 +104,7 @@ def _fill(points: NDArray[np.float64], keys: NDArray[np.int64], voxel_size: floa
     first = np.flatnonzero(np.diff(sorted_keys, prepend=sorted_keys[0] - 1))
     counts = np.diff(first, append=len(points))
     origin = points.mean(axis=0)
-    sums = np.add.reduceat((points - origin)[order], first, axis=0)
+    sums = np.add.reduceat(np.take(points - origin, order, axis=0), first, axis=0)
     point_to_voxel = np.empty(len(points), np.int32)
     point_to_voxel[order] = np.repeat(np.arange(len(first), dtype=np.int32), counts)
     return VoxelGrid(sums / counts[:, None] + origin, point_to_voxel, float(voxel_size))

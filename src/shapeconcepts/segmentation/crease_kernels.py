@@ -64,7 +64,7 @@ def _squared_distance(points: NDArray[np.float64], i: int, j: int) -> float:
 
 
 @njit(cache=True)
-def crease_angle(
+def crease_angles(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
     indptr: NDArray[np.int64],
@@ -72,48 +72,62 @@ def crease_angle(
     labels: NDArray[np.int32],
     first: NDArray[np.int32],
     second: NDArray[np.int32],
+    starts: NDArray[np.int64],
+    ends: NDArray[np.int64],
     scale: float,
     max_places: int,
-) -> float:
-    """Mean angle by which the surface turns at the border of two regions, convex positive, in radians.
+) -> NDArray[np.float64]:
+    """Mean angle by which the surface turns at each border of two regions, convex positive, in radians.
 
-    At up to `max_places` places along the border both regions' surfaces are extended to the border, each from its own
-    points; the angle between them is signed, so that noise cancels along a border where the surface is smooth.
-    Infinite where no place has enough points on both sides.
+    At up to `max_places` places along a border both regions' surfaces are extended to it, each from its own
+    points; the angle between them is signed, so that noise cancels along a border where the surface is
+    smooth. Infinite where no place has enough points on both sides.
+
+    Parameters
+    ----------
+    first, second : (p,) int32
+        Pairs of voxels across the borders, as of `border_pairs`.
+    starts, ends : (b,) int64
+        Where the pairs of each border start and end.
     """
-    a, b = labels[first[0]], labels[second[0]]
+    angles = np.full(len(starts), np.inf)
     workspace = np.empty((7, 7))
     stamps = np.zeros(len(points), np.int32)
     surroundings = np.empty(len(points), np.int32)
-    n = len(first)
-    step = max(1.0, n / max_places)
-    total = 0.0
-    weight = 0.0
-    for place in range(min(n, max_places)):
-        i = first[int(place * step)]
-        j = second[int(place * step)]
-        n_around = gather_surroundings(points, indptr, indices, i, scale, stamps, place + 1, surroundings)
-        x = (points[i, 0] + points[j, 0]) / 2
-        y = (points[i, 1] + points[j, 1]) / 2
-        z = (points[i, 2] + points[j, 2]) / 2
-        count_a, _, ax, ay, az = fit_surface(
-            points, normals, labels, a, surroundings[:n_around], x, y, z, scale, workspace
-        )
-        count_b, _, bx, by, bz = fit_surface(
-            points, normals, labels, b, surroundings[:n_around], x, y, z, scale, workspace
-        )
-        if count_a == 0 or count_b == 0:
-            continue
-        angle = math.acos(min(1.0, max(-1.0, ax * bx + ay * by + az * bz)))
-        opening = (
-            (ax - bx) * (points[i, 0] - points[j, 0])
-            + (ay - by) * (points[i, 1] - points[j, 1])
-            + (az - bz) * (points[i, 2] - points[j, 2])
-        )
-        # The side with fewer points limits how well the angle is known.
-        total += min(count_a, count_b) * (angle if opening >= 0 else -angle)
-        weight += min(count_a, count_b)
-    return total / weight if weight > 0 else math.inf
+    stamp = 0
+    for border in range(len(starts)):
+        n = ends[border] - starts[border]
+        step = max(1.0, n / max_places)
+        total = 0.0
+        weight = 0.0
+        for place in range(min(n, max_places)):
+            i = first[starts[border] + int(place * step)]
+            j = second[starts[border] + int(place * step)]
+            stamp += 1
+            around = gather_surroundings(points, indptr, indices, i, scale, stamps, stamp, surroundings)
+            x = (points[i, 0] + points[j, 0]) / 2
+            y = (points[i, 1] + points[j, 1]) / 2
+            z = (points[i, 2] + points[j, 2]) / 2
+            count_a, _, ax, ay, az = fit_surface(
+                points, normals, labels, labels[i], surroundings[:around], x, y, z, scale, workspace
+            )
+            count_b, _, bx, by, bz = fit_surface(
+                points, normals, labels, labels[j], surroundings[:around], x, y, z, scale, workspace
+            )
+            if count_a == 0 or count_b == 0:
+                continue
+            angle = math.acos(min(1.0, max(-1.0, ax * bx + ay * by + az * bz)))
+            opening = (
+                (ax - bx) * (points[i, 0] - points[j, 0])
+                + (ay - by) * (points[i, 1] - points[j, 1])
+                + (az - bz) * (points[i, 2] - points[j, 2])
+            )
+            # The side with fewer points limits how well the angle is known.
+            total += min(count_a, count_b) * (angle if opening >= 0 else -angle)
+            weight += min(count_a, count_b)
+        if weight > 0:
+            angles[border] = total / weight
+    return angles
 
 
 @njit(cache=True)
@@ -122,8 +136,6 @@ def sharpen_borders(
     normals: NDArray[np.float64],
     indptr: NDArray[np.int64],
     indices: NDArray[np.int32],
-    adjacent_indptr: NDArray[np.int64],
-    adjacent: NDArray[np.int32],
     labels: NDArray[np.int32],
     scale: float,
     smoothness: float,
@@ -151,24 +163,24 @@ def sharpen_borders(
             own = current[i]
             if own < 0 or not active[i]:
                 continue
-            degree = adjacent_indptr[i + 1] - adjacent_indptr[i]
+            degree = indptr[i + 1] - indptr[i]
             same = 0
-            for k in range(adjacent_indptr[i], adjacent_indptr[i + 1]):
-                same += current[adjacent[k]] == own
+            for k in range(indptr[i], indptr[i + 1]):
+                same += current[indices[k]] == own
             if same == degree:
                 continue
             stamp += 1
             n_around = gather_surroundings(points, indptr, indices, i, scale, stamps, stamp, surroundings)
             lowest = np.inf
             best = own
-            for k in range(adjacent_indptr[i] - 1, adjacent_indptr[i + 1]):
-                region = own if k < adjacent_indptr[i] else current[adjacent[k]]
-                if region < 0 or (k >= adjacent_indptr[i] and region == own):
+            for k in range(indptr[i] - 1, indptr[i + 1]):
+                region = own if k < indptr[i] else current[indices[k]]
+                if region < 0 or (k >= indptr[i] and region == own):
                     continue
                 agreeing = 0
                 seen = False
-                for other in range(adjacent_indptr[i], adjacent_indptr[i + 1]):
-                    if current[adjacent[other]] == region:
+                for other in range(indptr[i], indptr[i + 1]):
+                    if current[indices[other]] == region:
                         seen = seen or other < k
                         agreeing += 1
                 if seen:
@@ -196,8 +208,8 @@ def sharpen_borders(
         for i in range(m):
             if updated[i] != current[i]:
                 active[i] = True
-                for k in range(adjacent_indptr[i], adjacent_indptr[i + 1]):
-                    active[adjacent[k]] = True
+                for k in range(indptr[i], indptr[i + 1]):
+                    active[indices[k]] = True
         current = updated
         if not active.any():
             break

@@ -68,7 +68,7 @@ def segment(
 
     normals = smooth_normals(points, prepared.normals, *neighbours, 2 * voxel, SMOOTHING_ANGLE, SMOOTHING_ROUNDS)
     patches = supervoxels(points, normals, adjacency, voxel, max(seed_size, 4 * voxel))
-    regions = super_patches(points, normals, neighbours, adjacency, patches, voxel)
+    regions = super_patches(points, normals, adjacency, patches, voxel)
     weights = np.bincount(prepared.point_to_voxel[prepared.point_to_voxel >= 0], minlength=len(points))
     segments = absorb_small(adjacency, regions, weights, MIN_SHARE, MIN_VOXELS, int(max_segments))
     return SegmentedObject(

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.neighbours import Neighbours
-from shapeconcepts.segmentation.crease_kernels import border_pairs, crease_angle, sharpen_borders
+from shapeconcepts.segmentation.crease_kernels import border_pairs, crease_angles, sharpen_borders
 from shapeconcepts.segmentation.linkage_kernels import average_linkage, patch_borders
 
 FLAT_ANGLE = np.radians(12.0)
-CREASE_ANGLE = np.radians(33.0)
+CREASE_ANGLE = np.radians(35.0)
 CREASE_PLACES = 16
-SURFACE_RADIUS = 5.5
+SURFACE_RADIUS = 5.0
 BORDER_SMOOTHNESS = 0.6
 SHARPENING_ROUNDS = 3
 
@@ -22,7 +20,6 @@ SHARPENING_ROUNDS = 3
 def super_patches(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
-    neighbours: Neighbours,
     adjacency: Neighbours,
     patches: NDArray[np.int32],
     voxel_size: float,
@@ -32,7 +29,7 @@ def super_patches(
     First, patches are joined by average linkage while the normals turn by less than 12 degrees across their border:
     this gives nearly flat regions, large enough to fit a surface to. Then the regions on both sides of each border are
     extended to it, each from its own points, and the pair that meets at the smallest angle is joined, again and again,
-    until every remaining border is a crease of more than 33 degrees. Neither step can leak through a weak spot, as both
+    until every remaining border is a crease of more than 35 degrees. Neither step can leak through a weak spot, as both
     judge a border as a whole. Last, the voxels at the borders go to the side whose surface they lie on, and the borders
     are judged again.
 
@@ -40,10 +37,8 @@ def super_patches(
     ----------
     points, normals : (m, 3) float64
         Voxel-grid points and smoothed unit normals.
-    neighbours : Neighbours
-        Lists over 3 voxels. Surfaces are fitted to what lies within 5.5 voxels and two steps through these.
     adjacency : Neighbours
-        Adjacent voxels.
+        Adjacent voxels. Surfaces are fitted to what lies within 5 voxels and two steps through these.
     patches : (m,) int32
         Atomic patch of each voxel, -1 for none.
     voxel_size : float
@@ -57,13 +52,12 @@ def super_patches(
     radius = SURFACE_RADIUS * voxel_size
     regions = _consecutive(_join_flat(normals, adjacency, patches))
     for _ in range(2):
-        regions = _join_smooth(points, normals, neighbours, adjacency, regions, radius)
+        regions = _join_smooth(points, normals, adjacency, regions, radius)
         if regions.max() <= 0:
             break
         regions = sharpen_borders(
             points,
             normals,
-            *neighbours,
             *adjacency,
             regions,
             radius,
@@ -86,50 +80,51 @@ def _join_flat(
 def _join_smooth(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
-    neighbours: Neighbours,
     adjacency: Neighbours,
     regions: NDArray[np.int32],
     radius: float,
 ) -> NDArray[np.int32]:
-    angles: dict[tuple[int, int], float] = {}
-    target = np.arange(regions.max() + 1)
+    known: dict[tuple[int, int], float] = {}
     while True:
         keys, first, second = border_pairs(points, *adjacency, regions)
         order = np.argsort(keys, kind="stable")
         first, second = first[order], second[order]
         bounds = np.flatnonzero(np.diff(keys[order], prepend=-1, append=-1))
-        best: dict[int, tuple[float, int]] = {}
-        known, angles = angles, {}
-        for start, end in pairwise(bounds.tolist()):
-            a, b = int(regions[first[start]]), int(regions[second[start]])
-            angle = known.get((a, b))
-            if angle is None:
-                angle = abs(
-                    crease_angle(
-                        points,
-                        normals,
-                        *neighbours,
-                        regions,
-                        first[start:end],
-                        second[start:end],
-                        radius,
-                        CREASE_PLACES,
-                    )
-                )
-            angles[a, b] = angle
-            best[a] = min(best.get(a, (angle, b)), (angle, b))
-            best[b] = min(best.get(b, (angle, a)), (angle, a))
-        merged = [
-            (a, b) for a, (angle, b) in best.items() if a < b and best[b][1] == a and angle < CREASE_ANGLE
-        ]
+        starts, ends = bounds[:-1], bounds[1:]
+        borders = list(zip(regions[first[starts]].tolist(), regions[second[starts]].tolist(), strict=True))
+        new = np.array([border not in known for border in borders], bool)
+        angles = crease_angles(
+            points,
+            normals,
+            *adjacency,
+            regions,
+            first,
+            second,
+            starts[new],
+            ends[new],
+            radius,
+            CREASE_PLACES,
+        )
+        fresh = iter(np.abs(angles).tolist())
+        known = {border: known[border] if border in known else next(fresh) for border in borders}
+        merged = _mutual_best(known)
         if not merged:
             return regions
-        target[:] = np.arange(len(target))
+        target = np.arange(regions.max() + 1, dtype=np.int32)
         for a, b in merged:
             target[b] = a
         touched = {region for pair in merged for region in pair}
-        angles = {pair: angle for pair, angle in angles.items() if touched.isdisjoint(pair)}
-        regions = np.where(regions >= 0, target[regions], -1).astype(np.int32)
+        known = {border: angle for border, angle in known.items() if touched.isdisjoint(border)}
+        regions = np.where(regions >= 0, target[regions], np.int32(-1))
+
+
+def _mutual_best(angles: dict[tuple[int, int], float]) -> list[tuple[int, int]]:
+    """Pairs of regions that are each other's smoothest neighbour, with no crease between them."""
+    best: dict[int, tuple[float, int]] = {}
+    for (a, b), angle in angles.items():
+        best[a] = min(best.get(a, (angle, b)), (angle, b))
+        best[b] = min(best.get(b, (angle, a)), (angle, a))
+    return [(a, b) for a, (angle, b) in best.items() if a < b and best[b][1] == a and angle < CREASE_ANGLE]
 
 
 def _consecutive(labels: NDArray[np.int32]) -> NDArray[np.int32]:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from shapeconcepts.neighbours import Neighbours
 from shapeconcepts.preparation.canonical_frame import canonical_coordinates
+from shapeconcepts.preparation.voxel_grid import cell_keys
 from shapeconcepts.segmentation.supervoxel_kernels import central_voxels, grow_supervoxels
 
 NORMAL_WEIGHT = 4.0
@@ -45,14 +46,14 @@ def supervoxels(
 
 def _seed_voxels(points: NDArray[np.float64], seed_size: float) -> NDArray[np.int64]:
     """The voxel nearest to the centroid of each occupied cell of the seed grid; isolated cells are dropped."""
-    cells = np.rint(canonical_coordinates(points) / seed_size)
-    cells -= cells.min(axis=0)
-    size = cells.max(axis=0) + 1
-    keys = (cells[:, 0] * size[1] + cells[:, 1]) * size[2] + cells[:, 2]
-    _, cell, counts = np.unique(keys, return_inverse=True, return_counts=True)
-    centroids = np.stack([np.bincount(cell, points[:, k]) for k in range(3)], axis=1) / counts[:, None]
-    distance = ((points - centroids[cell]) ** 2).sum(axis=1)
-    order = np.lexsort((distance, cell))
-    nearest = order[np.searchsorted(cell[order], np.arange(len(counts)))]
+    keys = cell_keys(canonical_coordinates(points), seed_size)
+    order = np.argsort(keys, kind="stable")
+    first = np.flatnonzero(np.diff(keys[order], prepend=keys[order[0]] - 1))
+    counts = np.diff(first, append=len(points))
+    in_cells = np.take(points, order, axis=0)
+    centroids = np.add.reduceat(in_cells, first, axis=0) / counts[:, None]
+    distance = ((in_cells - np.repeat(centroids, counts, axis=0)) ** 2).sum(axis=1)
+    at_minimum = np.flatnonzero(distance == np.repeat(np.minimum.reduceat(distance, first), counts))
+    nearest = order[at_minimum[np.searchsorted(at_minimum, first)]]
     populated = counts >= MIN_SEED_VOXELS
     return nearest[populated] if populated.any() else nearest
