@@ -47,7 +47,7 @@ def prepare(scan: Scan, *, voxel_size: float | str = "auto") -> PreparedObject:
     if voxel_size != "auto":
         voxel_size = check_length("voxel_size", voxel_size)
     finite = np.isfinite(scan.points).all(axis=1)
-    points = scan.points[finite]
+    points = scan.points if finite.all() else scan.points[finite]
     name = scan.name or "scan"
     if len(points) == 0:
         raise ScanError(f"{name}: none of its {len(finite)} points is finite")

@@ -56,6 +56,24 @@ def patch_borders(
 
 
 @njit(cache=True)
+def border_lengths(
+    indptr: NDArray[np.int64], indices: NDArray[np.int32], labels: NDArray[np.int32]
+) -> NDArray[np.int64]:
+    """Number of adjacent voxel pairs between every two segments: (n, n), symmetric, zero diagonal."""
+    n = labels.max() + 1
+    lengths = np.zeros((n, n), np.int64)
+    for i in range(len(labels)):
+        a = labels[i]
+        if a < 0:
+            continue
+        for k in range(indptr[i], indptr[i + 1]):
+            b = labels[indices[k]]
+            if b >= 0 and b != a:
+                lengths[a, b] += 1
+    return lengths
+
+
+@njit(cache=True)
 def average_linkage(
     n_regions: int,
     first: NDArray[np.int64],

@@ -6,17 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.neighbours import Neighbours
+from shapeconcepts.segmentation.linkage_kernels import border_lengths
 
 MIN_BORDER = 4
-
-
-def border_lengths(adjacency: Neighbours, labels: NDArray[np.int32]) -> NDArray[np.int64]:
-    """Number of adjacent voxel pairs between every two segments: (n, n), symmetric, zero diagonal."""
-    n = int(labels.max(initial=-1)) + 1
-    a = np.repeat(labels, np.diff(adjacency.indptr))
-    b = labels[adjacency.indices]
-    across = (a >= 0) & (b >= 0) & (a != b)
-    return np.bincount(a[across].astype(np.int64) * n + b[across], minlength=n * n).reshape(n, n)
 
 
 def absorb_small(
@@ -48,7 +40,7 @@ def absorb_small(
     (m,) int32
         Segments numbered in the order of falling size, -1 for none.
     """
-    border = border_lengths(adjacency, labels)
+    border = border_lengths(*adjacency, labels)
     members = labels >= 0
     size = np.bincount(labels[members], minlength=len(border))
     mass = np.bincount(labels[members], weights[members], minlength=len(border))
@@ -79,4 +71,4 @@ def absorb_small(
 
 def segment_edges(adjacency: Neighbours, labels: NDArray[np.int32]) -> NDArray[np.int32]:
     """Pairs of segments, (e, 2), that share a border of at least 4 adjacent voxel pairs."""
-    return np.argwhere(np.triu(border_lengths(adjacency, labels) >= MIN_BORDER)).astype(np.int32)
+    return np.argwhere(np.triu(border_lengths(*adjacency, labels) >= MIN_BORDER)).astype(np.int32)

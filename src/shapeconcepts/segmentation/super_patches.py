@@ -51,20 +51,19 @@ def super_patches(
     """
     radius = SURFACE_RADIUS * voxel_size
     regions = _consecutive(_join_flat(normals, adjacency, patches))
-    for _ in range(2):
-        regions = _join_smooth(points, normals, adjacency, regions, radius)
-        if regions.max() <= 0:
-            break
-        regions = sharpen_borders(
-            points,
-            normals,
-            *adjacency,
-            regions,
-            radius,
-            BORDER_SMOOTHNESS * voxel_size,
-            SHARPENING_ROUNDS,
-        )
-    return _consecutive(regions)
+    regions = _join_smooth(points, normals, adjacency, regions, radius)
+    if regions.max() <= 0:
+        return _consecutive(regions)
+    regions = sharpen_borders(
+        points,
+        normals,
+        *adjacency,
+        regions,
+        radius,
+        BORDER_SMOOTHNESS * voxel_size,
+        SHARPENING_ROUNDS,
+    )
+    return _consecutive(_join_smooth(points, normals, adjacency, regions, radius))
 
 
 def _join_flat(
