@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from shapeconcepts.neighbours import radius_neighbours
-from shapeconcepts.segmentation.crease_kernels import border_pairs, crease_angle, sharpen_borders
+from shapeconcepts.segmentation.crease_kernels import border_pairs, crease_angles, sharpen_borders
 from shapeconcepts.segmentation.surface_fit_kernels import (
     CURVATURE_RIDGE,
     MIN_FIT_POINTS,
@@ -17,7 +17,7 @@ from shapeconcepts.segmentation.surface_fit_kernels import (
 )
 
 seeds = st.integers(0, 2**32 - 1)
-SCALE = 5.5
+SCALE = 5.0
 
 
 def unit(vectors: np.ndarray) -> np.ndarray:
@@ -59,13 +59,31 @@ def wedge(turn: float, half: int = 14, jitter: float = 0.25, seed: int = 0):
 
 
 def adjacent(points):
-    return radius_neighbours(points, 2.0)
+    return radius_neighbours(points, 2.5)
 
 
 def angle_between(points, normals, labels, max_places=16):
     _, first, second = border_pairs(points, *adjacent(points), labels)
-    neighbours = radius_neighbours(points, 3.0)
-    return np.degrees(crease_angle(points, normals, *neighbours, labels, first, second, SCALE, max_places))
+    whole = np.array([0]), np.array([len(first)])
+    angles = crease_angles(
+        points, normals, *adjacent(points), labels, first, second, *whole, SCALE, max_places
+    )
+    return np.degrees(angles[0])
+
+
+def test_each_border_has_its_own_angle():
+    points, normals, labels = wedge(np.radians(60))
+    apart = points + [1000.0, 0, 0]
+    far_points, far_normals, far_labels = wedge(np.radians(-90))
+    points, normals = np.vstack([far_points, apart]), np.vstack([far_normals, normals])
+    labels = np.concatenate([far_labels, labels + 2]).astype(np.int32)
+    keys, first, second = border_pairs(points, *adjacent(points), labels)
+    starts = np.flatnonzero(np.diff(keys, prepend=-1))
+    ends = np.append(starts[1:], len(keys))
+    angles = crease_angles(
+        points, normals, *adjacent(points), labels, first, second, starts, ends, SCALE, 16
+    )
+    np.testing.assert_allclose(np.degrees(angles), [-90, 60], atol=1.0)
 
 
 def cylinder(radius: float):
@@ -221,7 +239,7 @@ def test_jagged_border_moves_to_the_edge(turn):
             [normals[near].mean(axis=0) for near in np.split(neighbours.indices, neighbours.indptr[1:-1])]
         )
     )
-    sharp = sharpen_borders(points, blurred, *neighbours, *adjacent(points), jagged, SCALE, 0.6, 6)
+    sharp = sharpen_borders(points, blurred, *adjacent(points), jagged, SCALE, 0.6, 6)
     wrong = sharp != truth
     assert wrong.sum() <= 0.2 * (jagged != truth).sum()
     assert np.abs(from_edge[wrong]).max(initial=0) < 0.8
@@ -229,14 +247,12 @@ def test_jagged_border_moves_to_the_edge(turn):
 
 def test_sharp_border_stays():
     points, normals, truth = wedge(np.radians(90), jitter=0.1)
-    neighbours = radius_neighbours(points, 3.0)
-    sharp = sharpen_borders(points, normals, *neighbours, *adjacent(points), truth, SCALE, 0.6, 3)
+    sharp = sharpen_borders(points, normals, *adjacent(points), truth, SCALE, 0.6, 3)
     np.testing.assert_array_equal(sharp, truth)
 
 
 def test_voxels_without_a_region_stay_without():
     points, normals, labels = wedge(np.radians(90))
     labels[::7] = -1
-    neighbours = radius_neighbours(points, 3.0)
-    sharp = sharpen_borders(points, normals, *neighbours, *adjacent(points), labels, SCALE, 0.6, 3)
+    sharp = sharpen_borders(points, normals, *adjacent(points), labels, SCALE, 0.6, 3)
     np.testing.assert_array_equal(sharp == -1, labels == -1)

@@ -5,7 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shapeconcepts.neighbours import radius_neighbours
-from shapeconcepts.segmentation.region_merging import MIN_BORDER, absorb_small, border_lengths, segment_edges
+from shapeconcepts.segmentation.linkage_kernels import border_lengths
+from shapeconcepts.segmentation.region_merging import MIN_BORDER, absorb_small, segment_edges
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -117,7 +118,7 @@ def test_no_segments_at_all():
 def test_borders_and_edges_agree_with_counting(seed, n_regions):
     adjacency, labels, _ = mosaic(seed, n_regions)
     pairs, n = pairs_of(adjacency), labels.max() + 1
-    lengths = border_lengths(adjacency, labels)
+    lengths = border_lengths(*adjacency, labels)
     expected = [[border(pairs, labels, a, b) if a != b else 0 for b in range(n)] for a in range(n)]
     assert lengths.tolist() == expected
     edges = segment_edges(adjacency, labels)
