@@ -1,6 +1,7 @@
 # Everything happens in a virtual environment inside the clone; only Python 3.11 to 3.13, pip and make are needed.
 #   make demo    simulate scans, segment them, draw the result
 #   make test    lint, check types, run the tests
+#   make benchmark    measure every figure of BENCHMARK.md (Open3D needs libusb-1.0 and libgl1 of the system)
 # Choose the interpreter with `make PYTHON=python3.12 ...`.
 
 PYTHON = python3
@@ -28,7 +29,7 @@ format: $(VENV)/installed-test
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
 
-benchmark: $(VENV)/installed-test
+benchmark: $(VENV)/installed-benchmark
 	$(BIN)/python -m benchmarks
 
 clean:
@@ -46,4 +47,9 @@ $(VENV)/installed: pyproject.toml
 $(VENV)/installed-test: $(VENV)/installed
 	@echo "Adding the tools for testing"
 	@$(INSTALL) --editable '.[test]'
+	@touch $@
+
+$(VENV)/installed-benchmark: $(VENV)/installed
+	@echo "Adding Open3D, to compare with"
+	@$(INSTALL) --editable '.[benchmark]'
 	@touch $@

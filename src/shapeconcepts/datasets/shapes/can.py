@@ -12,7 +12,10 @@ SIDE, TOP, BOTTOM = range(3)
 
 
 def make_can(rng: np.random.Generator) -> Mesh:
-    """A can 5 to 17 cm across and 4 to 30 cm high, flat or recessed at the ends, one in four lying."""
+    """A can 5 to 17 cm across and 4 to 30 cm high, flat or recessed at the ends, one in four lying.
+
+    The bevelled rim of the base belongs to the side, from where it is seen; that of the lid to the lid.
+    """
     radius = np.exp(rng.uniform(np.log(0.025), np.log(0.085)))
     height = float(np.clip(2.0 * radius * np.exp(rng.uniform(np.log(0.6), np.log(2.8))), 0.04, 0.3))
     oval = 1.0 + rng.uniform(0.0, 0.04) * (rng.random() < 0.3)
@@ -25,7 +28,7 @@ def make_can(rng: np.random.Generator) -> Mesh:
         (0.0, base_depth, BOTTOM),
         (radius - 2.0 * rim, base_depth, BOTTOM),
         (radius - 2.0 * rim, 0.0, BOTTOM),
-        (radius - rim, 0.0, BOTTOM),
+        (radius - rim, 0.0, SIDE),
         *((radius, z, SIDE) for z in np.linspace(rim, height - 3.0 * shoulder - rim, 12)),
         (radius - shoulder, height - rim, TOP),
         (radius - shoulder - rim, height, TOP),
