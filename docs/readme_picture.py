@@ -1,6 +1,6 @@
 """Draws docs/images/segments.png, the picture at the top of the README.
 
-    python docs/readme_picture.py
+python docs/readme_picture.py
 """
 
 from pathlib import Path

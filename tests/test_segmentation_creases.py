@@ -73,16 +73,14 @@ def angle_between(points, normals, labels, max_places=16):
 
 def test_each_border_has_its_own_angle():
     points, normals, labels = wedge(np.radians(60))
-    apart = points + [1000.0, 0, 0]
+    apart = points + np.array([1000.0, 0, 0])
     far_points, far_normals, far_labels = wedge(np.radians(-90))
     points, normals = np.vstack([far_points, apart]), np.vstack([far_normals, normals])
     labels = np.concatenate([far_labels, labels + 2]).astype(np.int32)
     keys, first, second = border_pairs(points, *adjacent(points), labels)
     starts = np.flatnonzero(np.diff(keys, prepend=-1))
     ends = np.append(starts[1:], len(keys))
-    angles = crease_angles(
-        points, normals, *adjacent(points), labels, first, second, starts, ends, SCALE, 16
-    )
+    angles = crease_angles(points, normals, *adjacent(points), labels, first, second, starts, ends, SCALE, 16)
     np.testing.assert_allclose(np.degrees(angles), [-90, 60], atol=1.0)
 
 

@@ -7,7 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def pairs_within(
     coordinates: NDArray[np.float64], keys: NDArray[np.int64], strides: NDArray[np.int64], radius: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
@@ -39,8 +39,9 @@ def pairs_within(
     last = np.zeros(len(lines), np.int64)
     squared_radius = radius * radius
     indptr = np.zeros(m + 1, np.int64)
-    partners = np.empty(32 * m, np.int32)
-    count = 0
+    partners = np.empty(96 * m, np.int32)
+    is_near = np.empty(m, np.uint8)
+    count = np.uint64(0)
     for i in range(m):
         x, y, z = xs[i], ys[i], zs[i]
         for line in range(len(lines)):
@@ -58,11 +59,15 @@ def pairs_within(
                 grown = np.empty(2 * len(partners) + high - low, np.int32)
                 grown[:count] = partners[:count]
                 partners = grown
-            for j in range(low, high):
-                dx, dy, dz = xs[j] - x, ys[j] - y, zs[j] - z
-                # Written always and kept by the count: this loop has no branch to mispredict.
-                partners[count] = j
-                count += dx * dx + dy * dy + dz * dz <= squared_radius
+            # Unsigned numbers need no test for counting from the end; the first loop compiles to vector
+            # instructions, and the second writes always and counts what it keeps: no branch to mispredict.
+            start, n = np.uint64(low), np.uint64(max(high - low, 0))
+            for k in range(n):
+                dx, dy, dz = xs[start + k] - x, ys[start + k] - y, zs[start + k] - z
+                is_near[k] = dx * dx + dy * dy + dz * dz <= squared_radius
+            for k in range(n):
+                partners[count] = start + k
+                count += np.uint64(is_near[k])
         indptr[i + 1] = count
     return indptr, partners[:count]
 

@@ -49,13 +49,16 @@ class Scan:
         if self.viewpoint is not None:
             viewpoint = self._as_array("viewpoint", self.viewpoint, np.float64)
             if viewpoint.shape != (3,) or not np.isfinite(viewpoint).all():
-                raise ScanError(f"{self._title()}: viewpoint must be 3 finite numbers, got {self.viewpoint!r}")
+                raise ScanError(
+                    f"{self._title()}: viewpoint must be 3 finite numbers, got {self.viewpoint!r}"
+                )
             object.__setattr__(self, "viewpoint", viewpoint)
         if self.point_labels is not None:
             point_labels = self._as_array("point_labels", self.point_labels, np.int64)
             if point_labels.shape != (len(points),):
                 raise ScanError(
-                    f"{self._title()}: point_labels must have shape ({len(points)},), got {point_labels.shape}"
+                    f"{self._title()}: point_labels must have shape ({len(points)},), "
+                    f"got {point_labels.shape}"
                 )
             object.__setattr__(self, "point_labels", point_labels)
 

@@ -105,6 +105,7 @@ def simplified_histograms(
         most = max(most, indptr[i + 1] - indptr[i])
     connections = np.empty((3, most))
     partner_normals = np.empty((3, most))
+    weights = np.empty(most)
     bins = np.empty((5, most), np.uint32)
     for i in range(m):
         start, n = indptr[i], indptr[i + 1] - indptr[i]
@@ -115,20 +116,21 @@ def simplified_histograms(
             connections[1, k], partner_normals[1, k] = points[j, 1] - y, normals[j, 1]
             connections[2, k], partner_normals[2, k] = points[j, 2] - z, normals[j, 2]
         bin_features(n, connections, normals[i], partner_normals, bins)
+        for k in range(n):
+            squared_distance = connections[0, k] ** 2 + connections[1, k] ** 2 + connections[2, k] ** 2
+            weights[k] = 1.0 / squared_distance if squared_distance > 0.0 else 0.0
+        own_counts = counts[i]
         weight_sum = 0.0
         for k in range(n):
-            j = np.uint32(partners[start + k])
-            counts[i, bins[0, k]] += 1
-            counts[i, bins[1, k]] += 1
-            counts[i, bins[2, k]] += 1
-            counts[j, bins[3, k]] += 1
-            counts[j, bins[1, k]] += 1
-            counts[j, bins[4, k]] += 1
-            squared_distance = connections[0, k] ** 2 + connections[1, k] ** 2 + connections[2, k] ** 2
-            if squared_distance > 0.0:
-                weight = 1.0 / squared_distance
-                weight_sum += weight
-                weight_sums[j] += weight
+            partner_counts = counts[np.uint32(partners[start + k])]
+            own_counts[bins[0, k]] += 1
+            own_counts[bins[1, k]] += 1
+            own_counts[bins[2, k]] += 1
+            partner_counts[bins[3, k]] += 1
+            partner_counts[bins[1, k]] += 1
+            partner_counts[bins[4, k]] += 1
+            weight_sum += weights[k]
+            weight_sums[np.uint32(partners[start + k])] += weights[k]
         weight_sums[i] += weight_sum
     return counts, weight_sums
 
@@ -180,18 +182,22 @@ def segment_sums(
     """
     # Points of no segment collect in a last column that is left out in the end.
     shares = np.zeros((len(points), n_segments + 1))
+    columns = np.empty(len(points), np.uint32)
+    scales = np.empty(len(points))
+    for i in range(len(points)):
+        columns[i] = segment_labels[i] if segment_labels[i] >= 0 else n_segments
+        scales[i] = 1.0 / weight_sums[i] if weight_sums[i] > 0.0 else 0.0
+        shares[i, columns[i]] = 1.0
     for i in range(len(points)):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        segment = segment_labels[i] if segment_labels[i] >= 0 else n_segments
-        shares[i, segment] += 1.0
+        own_shares = shares[i]
         for k in range(indptr[i], indptr[i + 1]):
-            j = partners[k]
+            j = np.uint32(partners[k])
             dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
             squared_distance = dx * dx + dy * dy + dz * dz
-            if squared_distance > 0.0:
-                partner_segment = segment_labels[j] if segment_labels[j] >= 0 else n_segments
-                shares[j, segment] += 1.0 / (squared_distance * weight_sums[i])
-                shares[i, partner_segment] += 1.0 / (squared_distance * weight_sums[j])
+            weight = 1.0 / squared_distance if squared_distance > 0.0 else 0.0
+            shares[j, columns[i]] += weight * scales[i]
+            own_shares[columns[j]] += weight * scales[j]
     n_bins = histograms.shape[1]
     sums = np.zeros((n_segments, n_bins))
     for i in range(len(points)):

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 def canonical_coordinates(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Express points in the frame of their own principal axes.
 
-    A grid laid in this frame cuts the same object into the same cells wherever it stands and whatever the order of
-    its points, so that nothing that follows depends on the pose. The axes are signed by the skewness of the points
-    along them. The frame may be left-handed, which no grid notices.
+    A grid laid in this frame cuts the same object into the same cells wherever it stands and whatever the
+    order of its points, so that nothing that follows depends on the pose. The axes are signed by the skewness
+    of the points along them. The frame may be left-handed, which no grid notices.
 
     Parameters
     ----------
@@ -23,8 +23,9 @@ def canonical_coordinates(points: NDArray[np.float64]) -> NDArray[np.float64]:
     (n, 3) float64
         Coordinates relative to the centroid, along the axes of falling variance.
     """
-    centred = points - points.mean(axis=0)
-    _, axes = np.linalg.eigh(centred.T @ centred / len(points))
-    coordinates = centred @ axes[:, ::-1]
-    skewness = np.einsum("ij,ij,ij->j", coordinates, coordinates, coordinates)
-    return coordinates * np.where(skewness < 0, -1.0, 1.0)
+    # Few long rows are faster to compute with than many short ones.
+    centred = np.ascontiguousarray((points - points.mean(axis=0)).T)
+    _, axes = np.linalg.eigh(centred @ centred.T / len(points))
+    coordinates = axes[:, ::-1].T @ centred
+    skewness = (coordinates * coordinates * coordinates).sum(axis=1, keepdims=True)
+    return (coordinates * np.where(skewness < 0, -1.0, 1.0)).T

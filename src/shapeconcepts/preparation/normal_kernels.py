@@ -9,11 +9,11 @@ from numba import njit
 from numpy.typing import NDArray
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def smallest_eigenvector(
     xx: float, xy: float, xz: float, yy: float, yz: float, zz: float
 ) -> tuple[float, float, float]:
-    """Unit eigenvector of the smallest eigenvalue of a symmetric 3 x 3 matrix; (0, 0, 1) where it is not unique.
+    """Unit eigenvector of the smallest eigenvalue of a symmetric 3 x 3 matrix; (0, 0, 1) where all are equal.
 
     Closed form: trigonometric eigenvalue, then the largest cross product of two rows of A - lambda I.
     """
@@ -45,7 +45,7 @@ def smallest_eigenvector(
     return x0 / length, y0 / length, z0 / length
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _any_perpendicular(
     a: float, b: float, c: float, d: float, e: float, f: float
 ) -> tuple[float, float, float]:
@@ -67,7 +67,7 @@ def _any_perpendicular(
     return x / length, y / length, z / length
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def principal_component_normals(
     points: NDArray[np.float64], indptr: NDArray[np.int64], indices: NDArray[np.int32]
 ) -> NDArray[np.float64]:
@@ -75,10 +75,11 @@ def principal_component_normals(
     m = len(points)
     normals = np.empty((m, 3))
     for i in range(m):
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
         sx = sy = sz = sxx = sxy = sxz = syy = syz = szz = 0.0
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            dx, dy, dz = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1], points[j, 2] - points[i, 2]
+        for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
+            j = np.uint32(indices[k])  # an unsigned index needs no test for counting from the end
+            dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
             sx += dx
             sy += dy
             sz += dz

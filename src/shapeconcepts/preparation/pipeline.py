@@ -22,9 +22,9 @@ STRAY_ROUNDS = 2
 def prepare(scan: Scan, *, voxel_size: float | str = "auto") -> PreparedObject:
     """Average a scan over a voxel grid, drop stray points, and estimate normals.
 
-    Normals come from a principal component analysis over a radius of 3 voxels. They point towards the sensor; where
-    its position is unknown, towards where it most likely was (see `estimate_viewpoint`), and the object's `viewpoint`
-    stays None.
+    Normals come from a principal component analysis over a radius of 3 voxels. They point towards the sensor;
+    where its position is unknown, towards where it most likely was (see `estimate_viewpoint`), and the
+    object's `viewpoint` stays None.
 
     Parameters
     ----------
@@ -46,7 +46,8 @@ def prepare(scan: Scan, *, voxel_size: float | str = "auto") -> PreparedObject:
     """
     if voxel_size != "auto":
         voxel_size = check_length("voxel_size", voxel_size)
-    finite = np.isfinite(scan.points).all(axis=1)
+    finite_x, finite_y, finite_z = np.isfinite(scan.points.T)
+    finite = finite_x & finite_y & finite_z
     points = scan.points if finite.all() else scan.points[finite]
     name = scan.name or "scan"
     if len(points) == 0:

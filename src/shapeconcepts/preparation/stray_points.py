@@ -23,8 +23,8 @@ def stray_points(neighbours: Neighbours) -> NDArray[np.bool_]:
     Returns
     -------
     (m,) bool
-        True for a point with fewer than 3 neighbours, or in a connected component of less than 1 % of the points.
-        Where that would be all of them, none is stray.
+        True for a point with fewer than 3 neighbours, or in a connected component of less than 1 % of the
+        points. Where that would be all of them, none is stray.
     """
     m = len(neighbours.indptr) - 1
     lonely = np.diff(neighbours.indptr) < MIN_NEIGHBOURS

@@ -48,8 +48,8 @@ def voxel_grid(points: NDArray[np.float64], voxel_size: float) -> VoxelGrid:
 def adaptive_voxel_grid(points: NDArray[np.float64]) -> VoxelGrid:
     """Voxel grid with cells of 5 mm, or as large as the density and extent of the points ask for.
 
-    A mean over few points is as noisy as the points: the cells grow until they hold about 3.5 points each. As a
-    Kinect's point spacing and its depth noise both grow with distance, this also averages away the noise of
+    A mean over few points is as noisy as the points: the cells grow until they hold about 3.5 points each. As
+    a Kinect's point spacing and its depth noise both grow with distance, this also averages away the noise of
     far objects, and it needs no knowledge of the sensor's position. Clouds whose extent shows that they are
     no objects in metres (a diagonal outside 2 cm to 5 m) start from 1/60 of the extent.
 
@@ -71,7 +71,7 @@ def adaptive_voxel_grid(points: NDArray[np.float64]) -> VoxelGrid:
 
 
 def _robust_extent(coordinates: NDArray[np.float64]) -> float:
-    """Diagonal of the box around all but the outermost 2 % at each end, so that a far stray point does not count."""
+    """Diagonal of the box around all but the outermost 2 % at each end, so that no far stray point counts."""
     outside = len(coordinates) // 50
     ranks = [outside, len(coordinates) - 1 - outside]
     low, high = np.partition(coordinates, ranks, axis=0)[ranks]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapeconcepts.segmentation.surface_fit_kernels import fit_surface, gather_surroundings
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def border_pairs(
     points: NDArray[np.float64],
     indptr: NDArray[np.int64],
@@ -39,9 +39,9 @@ def border_pairs(
         if a < 0:
             continue
         start = count
-        for k in range(indptr[i], indptr[i + 1]):
+        for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
             j = indices[k]
-            b = labels[j]
+            b = labels[np.uint32(j)]  # an unsigned index needs no test for counting from the end
             if b <= a:
                 continue
             place = start
@@ -57,13 +57,13 @@ def border_pairs(
     return key[:count], first[:count], second[:count]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _squared_distance(points: NDArray[np.float64], i: int, j: int) -> float:
     dx, dy, dz = points[i, 0] - points[j, 0], points[i, 1] - points[j, 1], points[i, 2] - points[j, 2]
     return dx * dx + dy * dy + dz * dz
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def crease_angles(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
@@ -130,7 +130,7 @@ def crease_angles(
     return angles
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def sharpen_borders(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
@@ -148,7 +148,8 @@ def sharpen_borders(
     scale : float
         Radius of the surroundings that surfaces are fitted to.
     smoothness : float
-        Distance that a voxel is worth all of whose adjacent voxels are in another region; keeps borders straight.
+        Distance that a voxel is worth all of whose adjacent voxels are in another region; keeps borders
+        straight.
     """
     workspace = np.empty((7, 7))
     m = len(labels)
@@ -165,8 +166,8 @@ def sharpen_borders(
                 continue
             degree = indptr[i + 1] - indptr[i]
             same = 0
-            for k in range(indptr[i], indptr[i + 1]):
-                same += current[indices[k]] == own
+            for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
+                same += current[np.uint32(indices[k])] == own
             if same == degree:
                 continue
             stamp += 1

@@ -37,8 +37,8 @@ def patch_borders(
         a = patches[i]
         if a < 0:
             continue
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
+        for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
+            j = np.uint32(indices[k])  # an unsigned index needs no test for counting from the end
             b = patches[j]
             if b <= a:
                 continue
@@ -66,8 +66,8 @@ def border_lengths(
         a = labels[i]
         if a < 0:
             continue
-        for k in range(indptr[i], indptr[i + 1]):
-            b = labels[indices[k]]
+        for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
+            b = labels[np.uint32(indices[k])]
             if b >= 0 and b != a:
                 lengths[a, b] += 1
     return lengths
@@ -84,8 +84,8 @@ def average_linkage(
 ) -> NDArray[np.int64]:
     """Merge neighbouring regions while the mean difference over their common border is below `stop`.
 
-    Every round merges all pairs of regions that are each other's best neighbour; as average linkage is reducible, this
-    gives the same regions as merging the best pair of all, again and again.
+    Every round merges all pairs of regions that are each other's best neighbour; as average linkage is
+    reducible, this gives the same regions as merging the best pair of all, again and again.
 
     Parameters
     ----------

@@ -32,9 +32,10 @@ def segment(
 ) -> SegmentedObject:
     """Cut an object into its surface segments.
 
-    Supervoxels (atomic patches) are joined to segments (super patches) where the surface goes on smoothly: a box gives
-    one segment for each visible face, a can its side and its cap, a ball one. Segments of less than 4 % of the scan's
-    points or 25 voxels go to the neighbour with the longest border. The result does not depend on the object's pose.
+    Supervoxels (atomic patches) are joined to segments (super patches) where the surface goes on smoothly: a
+    box gives one segment for each visible face, a can its side and its cap, a ball one. Segments of less than
+    4 % of the scan's points or 25 voxels go to the neighbour with the longest border. The result does not
+    depend on the object's pose.
 
     Parameters
     ----------
@@ -66,7 +67,9 @@ def segment(
     neighbours = prepared.neighbours
     adjacency = Neighbours(*closer_neighbours(points, *neighbours, ADJACENCY_RADIUS * voxel))
 
-    normals = smooth_normals(points, prepared.normals, *neighbours, 2 * voxel, SMOOTHING_ANGLE, SMOOTHING_ROUNDS)
+    normals = smooth_normals(
+        points, prepared.normals, *neighbours, 2 * voxel, SMOOTHING_ANGLE, SMOOTHING_ROUNDS
+    )
     patches = supervoxels(points, normals, adjacency, voxel, max(seed_size, 4 * voxel))
     regions = super_patches(points, normals, adjacency, patches, voxel)
     weights = np.bincount(prepared.point_to_voxel[prepared.point_to_voxel >= 0], minlength=len(points))

@@ -19,7 +19,7 @@ def absorb_small(
     min_voxels: int,
     max_segments: int,
 ) -> NDArray[np.int32]:
-    """Merge the smallest segment into the neighbour with the longest border, until all are large and few enough.
+    """Merge the smallest segment over its longest border, again and again: until all are large and few.
 
     A segment without a neighbour is dropped (-1), but never the last one.
 

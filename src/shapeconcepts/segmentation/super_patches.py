@@ -26,12 +26,12 @@ def super_patches(
 ) -> NDArray[np.int32]:
     """Join patches over smooth borders.
 
-    First, patches are joined by average linkage while the normals turn by less than 12 degrees across their border:
-    this gives nearly flat regions, large enough to fit a surface to. Then the regions on both sides of each border are
-    extended to it, each from its own points, and the pair that meets at the smallest angle is joined, again and again,
-    until every remaining border is a crease of more than 35 degrees. Neither step can leak through a weak spot, as both
-    judge a border as a whole. Last, the voxels at the borders go to the side whose surface they lie on, and the borders
-    are judged again.
+    First, patches are joined by average linkage while the normals turn by less than 12 degrees across their
+    border: this gives nearly flat regions, large enough to fit a surface to. Then the regions on both sides
+    of each border are extended to it, each from its own points, and the pair that meets at the smallest angle
+    is joined, again and again, until every remaining border is a crease of more than 35 degrees. Neither step
+    can leak through a weak spot, as both judge a border as a whole. Last, the voxels at the borders go to the
+    side whose surface they lie on, and the borders are judged again.
 
     Parameters
     ----------
@@ -70,9 +70,7 @@ def _join_flat(
     normals: NDArray[np.float64], adjacency: Neighbours, patches: NDArray[np.int32]
 ) -> NDArray[np.int32]:
     first, second, difference, count = patch_borders(normals, *adjacency, patches)
-    group = average_linkage(
-        int(patches.max()) + 1, first, second, difference, count, 1 - np.cos(FLAT_ANGLE)
-    )
+    group = average_linkage(int(patches.max()) + 1, first, second, difference, count, 1 - np.cos(FLAT_ANGLE))
     return np.where(patches >= 0, group[patches], -1).astype(np.int32)
 
 

@@ -9,7 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def closer_neighbours(
     points: NDArray[np.float64], indptr: NDArray[np.int64], indices: NDArray[np.int32], radius: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
@@ -20,8 +20,8 @@ def closer_neighbours(
     count = 0
     for i in range(m):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
+        for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
+            j = np.uint32(indices[k])  # an unsigned index needs no test for counting from the end
             dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
             shorter[count] = j
             count += dx * dx + dy * dy + dz * dz <= radius * radius
@@ -29,7 +29,7 @@ def closer_neighbours(
     return shorter_indptr, shorter[:count].copy()
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def smooth_normals(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
@@ -51,9 +51,10 @@ def smooth_normals(
     m = len(points)
     spatial = np.empty(len(indices))
     for i in range(m):
-        for k in range(indptr[i], indptr[i + 1]):
-            j = indices[k]
-            dx, dy, dz = points[j, 0] - points[i, 0], points[j, 1] - points[i, 1], points[j, 2] - points[i, 2]
+        x, y, z = points[i, 0], points[i, 1], points[i, 2]
+        for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
+            j = np.uint32(indices[k])
+            dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
             spatial[k] = 1 / (1 + (dx * dx + dy * dy + dz * dz) / (2 * width * width))
     sharpness = 1 / (1 - math.cos(angular_width))
     current = normals.copy()
@@ -62,21 +63,22 @@ def smooth_normals(
         for i in range(m):
             x, y, z = current[i, 0], current[i, 1], current[i, 2]
             sx, sy, sz = x, y, z
-            for k in range(indptr[i], indptr[i + 1]):
-                j = indices[k]
-                difference = (1 - (current[j, 0] * x + current[j, 1] * y + current[j, 2] * z)) * sharpness
-                closeness = max(0.0, 1 - difference)
+            for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
+                j = np.uint32(indices[k])
+                nx, ny, nz = current[j, 0], current[j, 1], current[j, 2]
+                closeness = 1 - (1 - (nx * x + ny * y + nz * z)) * sharpness
+                closeness = closeness if closeness > 0.0 else 0.0
                 weight = spatial[k] * closeness * closeness
-                sx += weight * current[j, 0]
-                sy += weight * current[j, 1]
-                sz += weight * current[j, 2]
+                sx += weight * nx
+                sy += weight * ny
+                sz += weight * nz
             length = math.sqrt(sx * sx + sy * sy + sz * sz)
             smoothed[i, 0], smoothed[i, 1], smoothed[i, 2] = sx / length, sy / length, sz / length
         current, smoothed = smoothed, current
     return current
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def grow_supervoxels(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
@@ -90,8 +92,9 @@ def grow_supervoxels(
     """Flow-constrained clustering: every seed grows along the surface, one layer of neighbours a round.
 
     A voxel goes to the neighbouring supervoxel to whose centre it is closest, by
-    ``(distance / seed_size)^2 + normal_weight * (1 - cos(angle between normals))`` (VCCS, equation 1, without colour).
-    All voxels of a round change at once, so that the result depends on no order.
+    ``(distance / seed_size)^2 + normal_weight * (1 - cos(angle))``, the angle being that between the normals
+    (VCCS, equation 1, without colour). All voxels of a round change at once, so that the result depends on no
+    order.
 
     Returns
     -------
@@ -111,20 +114,14 @@ def grow_supervoxels(
         for i in frontier:
             s = owner[i]
             c = seeds[s]
-            for k in range(indptr[i], indptr[i + 1]):
-                j = indices[k]
+            x, y, z = points[c, 0], points[c, 1], points[c, 2]
+            nx, ny, nz = normals[c, 0], normals[c, 1], normals[c, 2]
+            for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
+                j = np.uint32(indices[k])
                 if owner[j] == s:
                     continue
-                dx, dy, dz = (
-                    points[j, 0] - points[c, 0],
-                    points[j, 1] - points[c, 1],
-                    points[j, 2] - points[c, 2],
-                )
-                cosine = (
-                    normals[j, 0] * normals[c, 0]
-                    + normals[j, 1] * normals[c, 1]
-                    + normals[j, 2] * normals[c, 2]
-                )
+                dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
+                cosine = normals[j, 0] * nx + normals[j, 1] * ny + normals[j, 2] * nz
                 d = (dx * dx + dy * dy + dz * dz) / (seed_size * seed_size) + normal_weight * (1 - cosine)
                 if d < distance[j]:
                     distance[j] = d
@@ -133,13 +130,13 @@ def grow_supervoxels(
         frontier = np.flatnonzero(changed)
         if len(frontier) == 0:
             break
-        for j in frontier:
-            owner[j] = next_owner[j]
-            changed[j] = False
+        for reached in frontier:
+            owner[reached] = next_owner[reached]
+            changed[reached] = False
     return owner
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def central_voxels(
     points: NDArray[np.float64], owner: NDArray[np.int32], seeds: NDArray[np.int64]
 ) -> NDArray[np.int64]:
@@ -171,7 +168,7 @@ def central_voxels(
     return central
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def inherit_patches(
     indptr: NDArray[np.int64],
     indices: NDArray[np.int32],
@@ -180,8 +177,8 @@ def inherit_patches(
 ) -> NDArray[np.int32]:
     """Let every patch lie in one segment: the one that holds most of it.
 
-    A voxel that the segment border moved away from its patch joins the patch of an adjacent voxel of its segment. What
-    is left, and a patch's voxels without a segment, belong to no patch.
+    A voxel that the segment border moved away from its patch joins the patch of an adjacent voxel of its
+    segment. What is left, and a patch's voxels without a segment, belong to no patch.
     """
     n_patches = patches.max() + 1
     n_segments = segments.max() + 1

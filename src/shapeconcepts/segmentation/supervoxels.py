@@ -45,15 +45,9 @@ def supervoxels(
 
 
 def _seed_voxels(points: NDArray[np.float64], seed_size: float) -> NDArray[np.int64]:
-    """The voxel nearest to the centroid of each occupied cell of the seed grid; isolated cells are dropped."""
+    """The voxel nearest to the centroid of each cell of the seed grid, if the cell has 3 voxels at least."""
     keys = cell_keys(canonical_coordinates(points), seed_size)
-    order = np.argsort(keys, kind="stable")
-    first = np.flatnonzero(np.diff(keys[order], prepend=keys[order[0]] - 1))
-    counts = np.diff(first, append=len(points))
-    in_cells = np.take(points, order, axis=0)
-    centroids = np.add.reduceat(in_cells, first, axis=0) / counts[:, None]
-    distance = ((in_cells - np.repeat(centroids, counts, axis=0)) ** 2).sum(axis=1)
-    at_minimum = np.flatnonzero(distance == np.repeat(np.minimum.reduceat(distance, first), counts))
-    nearest = order[at_minimum[np.searchsorted(at_minimum, first)]]
+    _, cells, counts = np.unique(keys, return_inverse=True, return_counts=True)
+    nearest = central_voxels(points, cells.astype(np.int32), np.zeros(len(counts), np.int64))
     populated = counts >= MIN_SEED_VOXELS
     return nearest[populated] if populated.any() else nearest

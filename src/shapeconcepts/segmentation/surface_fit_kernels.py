@@ -13,7 +13,7 @@ CURVATURE_RIDGE = 0.02
 SLOPE_RIDGE = 0.001
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def gather_surroundings(
     points: NDArray[np.float64],
     indptr: NDArray[np.int64],
@@ -24,7 +24,7 @@ def gather_surroundings(
     stamp: int,
     surroundings: NDArray[np.int32],
 ) -> int:
-    """Collect the voxels within a radius that two steps through the neighbour lists reach, without the voxel itself.
+    """Collect the other voxels within a radius that two steps through the neighbour lists reach.
 
     Longer lists for all voxels would cost more than this does for the few at borders.
 
@@ -42,23 +42,22 @@ def gather_surroundings(
     """
     count = 0
     stamps[voxel] = stamp
-    for k in range(indptr[voxel], indptr[voxel + 1]):
-        step = indices[k]
-        for second in range(indptr[step], indptr[step + 1]):
-            j = indices[second]
+    x, y, z = points[voxel, 0], points[voxel, 1], points[voxel, 2]
+    for k in range(np.uint64(indptr[voxel]), np.uint64(indptr[voxel + 1])):
+        step = np.uint32(indices[k])  # an unsigned index needs no test for counting from the end
+        for second in range(np.uint64(indptr[step]), np.uint64(indptr[step + np.uint32(1)])):
+            j = np.uint32(indices[second])
             if stamps[j] == stamp:
                 continue
             stamps[j] = stamp
-            dx = points[j, 0] - points[voxel, 0]
-            dy = points[j, 1] - points[voxel, 1]
-            dz = points[j, 2] - points[voxel, 2]
+            dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
             if dx * dx + dy * dy + dz * dz <= radius * radius:
                 surroundings[count] = j
                 count += 1
     return count
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def fit_surface(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
@@ -73,9 +72,9 @@ def fit_surface(
 ) -> tuple[int, float, float, float, float]:
     """Fit a quadratic height field to those of some voxels that belong to one region.
 
-    The field is ``h(u, v) = c0 + c1 u + c2 v + c3 u^2 + c4 u v + c5 v^2`` over the plane across the region's mean
-    normal there, with the origin at (x, y, z). As only the region's own points enter, its slope at the origin is the
-    surface's slope on that side, however sharply it turns on the other side.
+    The field is ``h(u, v) = c0 + c1 u + c2 v + c3 u^2 + c4 u v + c5 v^2`` over the plane across the region's
+    mean normal there, with the origin at (x, y, z). As only the region's own points enter, its slope at the
+    origin is the surface's slope on that side, however sharply it turns on the other side.
 
     Parameters
     ----------
@@ -93,14 +92,19 @@ def fit_surface(
     nx, ny, nz : float
         Unit normal of the surface where it is nearest to (x, y, z), to first order.
     """
-    nx, ny, nz = 0.0, 0.0, 0.0
+    # Written always and kept by the count: no branch to mispredict.
+    members = np.empty(len(surroundings) + 1, np.uint32)
     count = 0
-    for j in surroundings:
-        if labels[j] == region:
-            nx += normals[j, 0]
-            ny += normals[j, 1]
-            nz += normals[j, 2]
-            count += 1
+    for k in range(len(surroundings)):
+        j = np.uint32(surroundings[k])
+        members[count] = j
+        count += labels[j] == region
+    nx, ny, nz = 0.0, 0.0, 0.0
+    for k in range(count):
+        j = members[k]
+        nx += normals[j, 0]
+        ny += normals[j, 1]
+        nz += normals[j, 2]
     length = math.sqrt(nx * nx + ny * ny + nz * nz)
     if count < MIN_FIT_POINTS or length == 0.0:
         return 0, 0.0, 0.0, 0.0, 0.0
@@ -110,17 +114,15 @@ def fit_surface(
     ux, uy, uz = ux / length, uy / length, uz / length
     vx, vy, vz = ny * uz - nz * uy, nz * ux - nx * uz, nx * uy - ny * ux
 
-    s1 = su = sv = suu = suv = svv = suuu = suuv = suvv = svvv = 0.0
+    su = sv = suu = suv = svv = suuu = suuv = suvv = svvv = 0.0
     suuuu = suuuv = suuvv = suvvv = svvvv = sh = shu = shv = shuu = shuv = shvv = 0.0
-    for j in surroundings:
-        if labels[j] != region:
-            continue
+    for k in range(count):
+        j = members[k]
         dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
         u = dx * ux + dy * uy + dz * uz
         v = dx * vx + dy * vy + dz * vz
         h = (dx * nx + dy * ny + dz * nz) / scale
         uu, uv, vv = u * u, u * v, v * v
-        s1 += 1
         su += u
         sv += v
         suu += uu
@@ -142,7 +144,7 @@ def fit_surface(
         shuv += h * uv
         shvv += h * vv
     a = workspace
-    a[0, 0], a[0, 1], a[0, 2], a[0, 3], a[0, 4], a[0, 5], a[0, 6] = s1, su, sv, suu, suv, svv, sh
+    a[0, 0], a[0, 1], a[0, 2], a[0, 3], a[0, 4], a[0, 5], a[0, 6] = count, su, sv, suu, suv, svv, sh
     a[1, 1], a[1, 2], a[1, 3], a[1, 4], a[1, 5], a[1, 6] = suu + SLOPE_RIDGE, suv, suuu, suuv, suvv, shu
     a[2, 2], a[2, 3], a[2, 4], a[2, 5], a[2, 6] = svv + SLOPE_RIDGE, suuv, suvv, svvv, shv
     a[3, 3], a[3, 4], a[3, 5], a[3, 6] = suuuu + CURVATURE_RIDGE, suuuv, suuvv, shuu
@@ -157,7 +159,7 @@ def fit_surface(
     return count, c0 * scale / length, nx / length, ny / length, nz / length
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _solve_symmetric(a: NDArray[np.float64]) -> None:
     """Solve a positive definite 6 x 6 system in place; upper triangle in, solution in the last column."""
     for i in range(6):
