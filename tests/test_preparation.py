@@ -198,3 +198,16 @@ def test_input_is_not_modified():
     points.flags.writeable = viewpoint.flags.writeable = False
     prepare(Scan(points, viewpoint=viewpoint))
     np.testing.assert_array_equal(points, copy)
+
+
+def test_arrays_and_point_clouds_of_other_libraries_are_taken():
+    class Cloud:
+        points = np.random.default_rng(0).uniform(0, 0.1, (500, 3))
+
+    assert len(prepare(Cloud()).points) == len(prepare(Cloud.points).points) > 100
+
+
+@pytest.mark.parametrize("value", [None, "mug.pcd", [1, 2, 3], np.zeros((3, 4))])
+def test_something_else_than_a_scan_is_refused(value):
+    with pytest.raises(ScanError, match="expected a Scan"):
+        prepare(value)

@@ -9,7 +9,7 @@ from shapeconcepts.scan import Scan, ScanError
 
 if TYPE_CHECKING:
     from shapeconcepts import datasets
-    from shapeconcepts.descriptors import FPFH, Surflet
+    from shapeconcepts.descriptors import FPFH, Surflet, get_descriptor
     from shapeconcepts.io import ScanWarning, read_scan, read_scans
     from shapeconcepts.segmentation import SegmentedObject, segment
 
@@ -24,6 +24,7 @@ __all__ = [
     "Surflet",
     "__version__",
     "datasets",
+    "get_descriptor",
     "read_scan",
     "read_scans",
     "segment",
@@ -35,6 +36,7 @@ _HOME_OF = {
     "ScanWarning": ".io",
     "SegmentedObject": ".segmentation",
     "Surflet": ".descriptors",
+    "get_descriptor": ".descriptors",
     "read_scan": ".io",
     "read_scans": ".io",
     "segment": ".segmentation",

@@ -41,7 +41,9 @@ def print_table(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
 
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for title in titles:
-        table.add_column(title, no_wrap=title == titles[0])
+        first = title == titles[0]
+        # A number cut short reads like another number: only the name may be folded.
+        table.add_column(title, no_wrap=not first, overflow="fold", min_width=None if first else len(title))
     for row in rows:
         table.add_row(*row)
     console = Console(markup=False, highlight=False)

@@ -7,19 +7,20 @@ from numbers import Real
 import numpy as np
 from numpy.typing import NDArray
 
+from shapeconcepts.io.conversion import as_scan
 from shapeconcepts.neighbours import radius_neighbours
 from shapeconcepts.preparation.normal_kernels import principal_component_normals
 from shapeconcepts.preparation.prepared_object import PreparedObject
 from shapeconcepts.preparation.sensor_direction import estimate_viewpoint, orient_normals
 from shapeconcepts.preparation.stray_points import stray_points
 from shapeconcepts.preparation.voxel_grid import VoxelGrid, adaptive_voxel_grid, voxel_grid
-from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.scan import ScanError
 
 NEIGHBOUR_RADIUS = 3.0
 STRAY_ROUNDS = 2
 
 
-def prepare(scan: Scan, *, voxel_size: float | str = "auto") -> PreparedObject:
+def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject:
     """Average a scan over a voxel grid, drop stray points, and estimate normals.
 
     Normals come from a principal component analysis over a radius of 3 voxels. They point towards the sensor;
@@ -28,7 +29,7 @@ def prepare(scan: Scan, *, voxel_size: float | str = "auto") -> PreparedObject:
 
     Parameters
     ----------
-    scan : Scan
+    scan : Scan, (n, 3) array, or object with `.points`
     voxel_size : float or "auto"
         Edge length of the voxels, metres. "auto": 5 mm, more where the points are sparser (see
         `adaptive_voxel_grid`).
@@ -40,12 +41,13 @@ def prepare(scan: Scan, *, voxel_size: float | str = "auto") -> PreparedObject:
     Raises
     ------
     ScanError
-        If the scan has no finite point, or its coordinates are too large to compute with.
+        If the scan is none, has no finite point, or its coordinates are too large to compute with.
     ValueError
         If `voxel_size` is neither "auto" nor a positive number.
     """
     if voxel_size != "auto":
         voxel_size = check_length("voxel_size", voxel_size)
+    scan = as_scan(scan)
     finite_x, finite_y, finite_z = np.isfinite(scan.points.T)
     finite = finite_x & finite_y & finite_z
     points = scan.points if finite.all() else scan.points[finite]

@@ -9,7 +9,6 @@ import numpy as np
 from shapeconcepts.neighbours import Neighbours
 from shapeconcepts.preparation import PreparedObject, prepare
 from shapeconcepts.preparation.pipeline import check_length
-from shapeconcepts.scan import Scan
 from shapeconcepts.segmentation.region_merging import absorb_small, segment_edges
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 from shapeconcepts.segmentation.super_patches import super_patches
@@ -24,7 +23,7 @@ MIN_VOXELS = 25
 
 
 def segment(
-    scan: Scan | PreparedObject,
+    scan: object,
     *,
     voxel_size: float | str = "auto",
     seed_size: float = 0.02,
@@ -39,7 +38,7 @@ def segment(
 
     Parameters
     ----------
-    scan : Scan or PreparedObject
+    scan : Scan, (n, 3) array, object with `.points`, or PreparedObject
         A prepared object keeps its own voxels.
     voxel_size : float or "auto"
         Edge length of the voxels, metres; see `prepare`.
