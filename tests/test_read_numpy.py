@@ -91,7 +91,7 @@ BAD_NPY = {
     ),
     "huge shape": (
         npy_with_header("{'descr': '<f8', 'fortran_order': False, 'shape': (99999999999999999999, 3)}"),
-        "truncated",
+        "NPY|truncated",
     ),
     "negative": (
         npy_with_header("{'descr': '<f8', 'fortran_order': False, 'shape': (-1, 3)}"),
@@ -128,14 +128,20 @@ def zip_bytes(content, method=zipfile.ZIP_DEFLATED):
     return stream.getvalue()
 
 
+def two_arrays():
+    stream = io.BytesIO()
+    np.savez(stream, first=POINTS, second=POINTS)
+    return stream.getvalue()
+
+
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        (zip_bytes(npy_bytes(np.zeros((400_000, 3)))), "unpacks from"),
+        (zip_bytes(npy_bytes(np.zeros((3_000_000, 3)))), "unpacks from"),
         (zip_bytes(npy_bytes(POINTS), zipfile.ZIP_BZIP2), "compressed in a way"),
         (zip_bytes(npy_bytes(POINTS), zipfile.ZIP_LZMA), "compressed in a way"),
         (zip_bytes(npy_bytes(POINTS))[:-30], "not an NPZ"),
-        (zip_bytes(npy_bytes(POINTS)).replace(b"points.npy", b"Points.npy"), "no array points"),
+        (two_arrays(), "no array points"),
         (np.random.default_rng(0).bytes(5000), "not an NPZ"),
     ],
     ids=["bomb", "bzip2", "lzma", "truncated", "other name", "random"],
@@ -165,3 +171,43 @@ def test_archive_with_bad_extras(tmp_path, arrays, message):
     np.savez(tmp_path / "scan.npz", points=POINTS, **arrays)
     with pytest.raises(ScanError, match=rf"scan\.npz: .*{message}"):
         read_scan(tmp_path / "scan.npz")
+
+
+@pytest.mark.parametrize("shape", ["(0, 99999999999999999999999)", "(True, 3)", "(-1, 3)"])
+def test_absurd_shapes_are_refused(tmp_path, shape):
+    header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
+    path = tmp_path / "absurd.npy"
+    path.write_bytes(b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode())
+    with pytest.raises(ScanError, match=r"absurd\.npy"):
+        read_scan(path)
+
+
+def test_organised_arrays_are_taken_row_by_row(tmp_path):
+    points = np.full((48, 64, 3), np.nan)
+    points[10:30, 20:40] = np.random.default_rng(0).uniform(0, 0.1, (20, 20, 3))
+    labels = np.arange(48 * 64).reshape(48, 64)
+    np.save(tmp_path / "organised.npy", points)
+    np.savez_compressed(tmp_path / "organised.npz", points=points, labels=labels)
+    np.testing.assert_array_equal(read_scan(tmp_path / "organised.npy").points, points.reshape(-1, 3))
+    scan = read_scan(tmp_path / "organised.npz")
+    np.testing.assert_array_equal(scan.points, points.reshape(-1, 3))
+    np.testing.assert_array_equal(scan.point_labels, labels.reshape(-1))
+
+
+def test_frame_of_a_depth_camera_that_is_mostly_empty_is_no_bomb(tmp_path):
+    points = np.full((480, 640, 3), np.nan)
+    points[200:260, 300:360] = np.random.default_rng(0).uniform(0, 0.1, (60, 60, 3))
+    np.savez_compressed(tmp_path / "frame.npz", points=points)
+    assert len(read_scan(tmp_path / "frame.npz")) == 480 * 640
+
+
+def test_only_array_of_an_archive_needs_no_name(tmp_path):
+    points = np.random.default_rng(0).uniform(0, 0.1, (50, 3))
+    np.savez(tmp_path / "unnamed.npz", points)
+    np.testing.assert_array_equal(read_scan(tmp_path / "unnamed.npz").points, points)
+
+
+def test_transposed_array_is_refused(tmp_path):
+    np.save(tmp_path / "transposed.npy", np.zeros((3, 4000)))
+    with pytest.raises(ScanError, match=r"\(3, 4000\), \(n, 3\) is expected"):
+        read_scan(tmp_path / "transposed.npy")

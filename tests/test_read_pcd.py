@@ -322,3 +322,26 @@ def test_name_is_the_path(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert read_scan("scan.pcd").name == "scan.pcd"
     assert read_scan(Path("scan.pcd")).name == "scan.pcd"
+
+
+@pytest.mark.parametrize("count", ["1 1 1", "1 1 999999999999999999"])
+def test_empty_binary_file_holds_no_points(tmp_path, count):
+    path = tmp_path / "empty.pcd"
+    path.write_text(
+        f"VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT {count}\nWIDTH 0\nHEIGHT 1\n"
+        "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 0\nDATA binary\n"
+    )
+    with pytest.raises(ScanError, match=r"empty\.pcd"):
+        read_scan(path)
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+@pytest.mark.parametrize("count", [1, 999999999999999999])
+def test_no_points_and_no_body(tmp_path, encoding, count):
+    """Padding of any size is promised for nothing."""
+    header = (
+        f"VERSION 0.7\nFIELDS x y z _\nSIZE 4 4 4 8\nTYPE F F F F\nCOUNT 1 1 1 {count}\n"
+        f"WIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA {encoding}\n"
+    )
+    with pytest.raises(ScanError, match=r"scan\.pcd: holds no points"):
+        read_scan(write(tmp_path, header.encode()))

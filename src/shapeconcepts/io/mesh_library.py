@@ -5,7 +5,10 @@ trimesh leaves out what it cannot read, so what a file announces is counted befo
 
 from __future__ import annotations
 
+import logging
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from io import BytesIO
 
 import numpy as np
@@ -44,7 +47,10 @@ def _load(data: bytes, file_type: str, n_faces: int) -> Mesh:
     import trimesh
 
     try:
-        loaded = trimesh.load_mesh(BytesIO(data), file_type=file_type, process=False, skip_materials=True)
+        with _silent_trimesh():
+            loaded = trimesh.load_mesh(
+                BytesIO(data), file_type=file_type, process=False, skip_materials=True
+            )
         mesh = Mesh(np.array(loaded.vertices, dtype=np.float64), np.array(loaded.faces, dtype=np.int64))
     except Exception as error:  # trimesh raises whatever its parsing runs into
         reason = str(error) or type(error).__name__
@@ -52,3 +58,19 @@ def _load(data: bytes, file_type: str, n_faces: int) -> Mesh:
     if len(mesh.faces) < n_faces:
         raise ScanError(f"is damaged: {len(mesh.faces)} of {n_faces} faces can be read")
     return mesh
+
+
+@contextmanager
+def _silent_trimesh() -> Iterator[None]:
+    """What is wrong with a file is told once, by the ScanError."""
+
+    def drop(record: logging.LogRecord) -> bool:
+        return False
+
+    # A filter of its own for each call, unlike a saved level, leaves nothing behind when threads overlap.
+    logger = logging.getLogger("trimesh")
+    logger.addFilter(drop)
+    try:
+        yield
+    finally:
+        logger.removeFilter(drop)

@@ -16,11 +16,11 @@ from shapeconcepts.scan import ScanError
 
 # Point clouds hardly shrink below a tenth; an archive that unpacks to much more is made to fill the memory.
 LARGEST_GROWTH = 100
-SMALL_ENOUGH = 2**20
+SMALL_ENOUGH = 2**26
 
 
 def read_npy(data: bytes) -> Cloud:
-    """Cloud from an array of shape (n, 3 or more); ScanError says what is wrong with it."""
+    """Cloud from an array of shape (n, 3 or more) or (h, w, 3 or more); ScanError says what is wrong."""
     points = _points(_array(data))
     return Cloud(points, camera_frame_viewpoint(points))
 
@@ -28,19 +28,23 @@ def read_npy(data: bytes) -> Cloud:
 def read_npz(data: bytes) -> Cloud:
     """Cloud from an archive with the array `points`, optionally `viewpoint` and `labels`.
 
+    The only array of an archive is taken for the points whatever its name.
     ScanError says what is wrong with it. A given viewpoint is believed where it is outside of the cloud.
     """
     try:
         archive = zipfile.ZipFile(BytesIO(data))
     except Exception as error:  # zipfile raises struct.error, ValueError and others beside BadZipFile
         raise ScanError(f"is not an NPZ archive ({error})") from None
+    names = archive.namelist()
     arrays = {
         name: _array(_member(archive, f"{name}.npy"))
         for name in ("points", "viewpoint", *LABEL_NAMES)
-        if f"{name}.npy" in archive.namelist()
+        if f"{name}.npy" in names
     }
+    if not arrays and len(names) == 1:
+        arrays["points"] = _array(_member(archive, names[0]))
     if "points" not in arrays:
-        raise ScanError(f"has no array points, only {', '.join(archive.namelist()[:10]) or 'nothing'}")
+        raise ScanError(f"has no array points, only {', '.join(names[:10]) or 'nothing'}")
     points = _points(arrays["points"])
     if "viewpoint" in arrays:
         position = arrays["viewpoint"]
@@ -50,9 +54,10 @@ def read_npz(data: bytes) -> Cloud:
     else:
         viewpoint = camera_frame_viewpoint(points)
     labels = next((arrays[name] for name in LABEL_NAMES if name in arrays), None)
-    if labels is not None and labels.shape != (len(points),):
-        raise ScanError(f"the labels must have the shape ({len(points)},), got {labels.shape}")
-    return Cloud(points, viewpoint, None if labels is None else whole_numbers(labels))
+    shape = arrays["points"].shape[:-1]
+    if labels is not None and labels.shape not in (shape, (len(points),)):
+        raise ScanError(f"the labels must have the shape {shape}, got {labels.shape}")
+    return Cloud(points, viewpoint, None if labels is None else whole_numbers(labels.reshape(-1)))
 
 
 def _array(data: bytes) -> NDArray:
@@ -69,14 +74,18 @@ def _array(data: bytes) -> NDArray:
     if dtype.kind not in "fiub":
         raise ScanError(f"holds an array of {dtype}, numbers are expected")
     offset = stream.tell()
-    if min(shape, default=0) < 0 or prod(shape) * dtype.itemsize > len(data) - offset:
+    if not all(type(size) is int and 0 <= size < 2**62 for size in shape):
+        raise ScanError(f"is not an NPY file (an array of shape {shape})")
+    if prod(shape) * dtype.itemsize > len(data) - offset:
         raise ScanError(f"is truncated: the header promises an array {shape} of {dtype}, the file is smaller")
     return np.frombuffer(data, dtype, prod(shape), offset).reshape(shape, order="F" if by_column else "C")
 
 
 def _points(array: NDArray) -> NDArray[np.float64]:
-    if array.ndim != 2 or array.shape[1] < 3:
+    transposed = array.ndim == 2 and array.shape[0] == 3 < array.shape[1] - 8
+    if array.ndim not in (2, 3) or array.shape[-1] < 3 or transposed:
         raise ScanError(f"holds an array of shape {array.shape}, (n, 3) is expected")
+    array = array.reshape(-1, array.shape[-1])
     with np.errstate(over="ignore"):
         return np.ascontiguousarray(array[:, :3], dtype=np.float64)
 
@@ -86,7 +95,10 @@ def _member(archive: zipfile.ZipFile, name: str) -> bytes:
     if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         raise ScanError(f"{name} is compressed in a way that NPZ files are not")
     if info.file_size > max(LARGEST_GROWTH * info.compress_size, SMALL_ENOUGH):
-        raise ScanError(f"{name} says it unpacks from {info.compress_size} to {info.file_size} bytes")
+        raise ScanError(
+            f"{name} says it unpacks from {info.compress_size} to {info.file_size} bytes, "
+            f"more than {LARGEST_GROWTH} times as many"
+        )
     try:
         with archive.open(info) as stream:
             content = stream.read(info.file_size)

@@ -115,6 +115,9 @@ def read_scan(
                 raise ScanError("holds no point with finite x, y and z")
     except ScanError as error:
         raise ScanError(f"{path}: {error}") from None
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        # What no reader foresaw in a file must not end the reading of a thousand others.
+        raise ScanError(f"{path}: cannot be read ({type(error).__name__}: {error})") from error
 
     if isinstance(content, Mesh):
         from shapeconcepts.datasets.sensor import scan_mesh
