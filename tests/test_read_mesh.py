@@ -1,6 +1,7 @@
 """Meshes: OBJ, STL, OFF, GLB and PLY with faces, down to the scan that the simulator makes of them."""
 
 import json
+import logging
 import struct
 
 import numpy as np
@@ -289,3 +290,18 @@ def test_glb_with_bad_json(tmp_path, text):
     data = struct.pack("<5I", 0x46546C67, 2, 20 + len(text), len(text), 0x4E4F534A) + text
     with pytest.raises(ScanError, match=r"mesh\.glb: "):
         read_scan(write(tmp_path, data, "mesh.glb"))
+
+
+def test_trimesh_does_not_log(tmp_path, scanned, monkeypatch, caplog):
+    load_mesh = trimesh.load_mesh
+
+    def talkative(*args, **options):
+        logging.getLogger("trimesh").error("said while loading")
+        return load_mesh(*args, **options)
+
+    monkeypatch.setattr(trimesh, "load_mesh", talkative)
+    read_scan(write(tmp_path, exported("stl"), "mesh.stl"))
+    with pytest.raises(ScanError):
+        read_scan(write(tmp_path, BAD["stl ascii damaged number"][1], "mesh.stl"))
+    logging.getLogger("trimesh").error("said afterwards")
+    assert [record.message for record in caplog.records] == ["said afterwards"]

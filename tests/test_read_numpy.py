@@ -73,11 +73,27 @@ class _Unpickled:
         return (pytest.fail, ("a pickle was run",))
 
 
+HEADER = "{'descr': '<f8', 'fortran_order': False, 'shape': (%s)}"
 BAD_NPY = {
     "pickled": (npy_bytes(np.array([[_Unpickled()] * 3], dtype=object), allow_pickle=True), "object"),
     "strings": (npy_bytes(np.array([["a", "b", "c"]])), "numbers"),
     "complex": (npy_bytes(np.ones((5, 3), dtype=complex)), "numbers"),
-    "structured": (npy_bytes(np.zeros(5, dtype=[("x", "f4"), ("y", "f4"), ("z", "f4")])), "numbers"),
+    "fields without z": (npy_bytes(np.zeros(5, dtype=[("x", "f4"), ("y", "f4")])), "no field z"),
+    "field of text": (npy_bytes(np.zeros(5, dtype=[("x", "f4"), ("y", "f4"), ("z", "S4")])), "field z"),
+    "field of vectors": (npy_bytes(np.zeros(5, dtype=[("x", "3f4"), ("y", "f4"), ("z", "f4")])), "field x"),
+    "fields of one point": (npy_bytes(np.zeros((), dtype=[(axis, "f4") for axis in "xyz"])), "shape"),
+    "fields with objects": (
+        npy_bytes(np.zeros(5, dtype=[*((axis, "f4") for axis in "xyz"), ("o", "O")]), allow_pickle=True),
+        "numbers",
+    ),
+    "by column": (npy_bytes(np.ones((3, 50))), r"\(n, 3\) is expected, got \(3, n\)"),
+    "two channels": (npy_bytes(np.ones((8, 9, 2))), "shape"),
+    "four axes": (npy_bytes(np.ones((2, 8, 9, 3))), "axes"),
+    "more axes than numpy has": (npy_with_header(HEADER % ("1, " * 99 + "3")), "axes"),
+    "no rows of huge size": (npy_with_header(HEADER % "0, 99999999999999999999999", b""), "NPY"),
+    "no rows of many sizes": (npy_with_header(HEADER % f"0, {2**62}, {2**62}", b""), "NPY"),
+    "true rows": (npy_with_header(HEADER % "True, 3"), "NPY"),
+    "size of more digits than int prints": (npy_with_header(HEADER % ("0x" + "f" * 8000 + ", 3")), "NPY"),
     "flat": (npy_bytes(np.ones(30)), "shape"),
     "two columns": (npy_bytes(np.ones((30, 2))), "shape"),
     "scalar": (npy_bytes(np.array(1.0)), "shape"),
@@ -211,3 +227,29 @@ def test_transposed_array_is_refused(tmp_path):
     np.save(tmp_path / "transposed.npy", np.zeros((3, 4000)))
     with pytest.raises(ScanError, match=r"\(3, 4000\), \(n, 3\) is expected"):
         read_scan(tmp_path / "transposed.npy")
+
+
+@pytest.mark.parametrize("shape", [(20,), (4, 5)])
+@pytest.mark.parametrize("label", ["label", "labels", None])
+def test_structured_array(tmp_path, shape, label):
+    fields = [("z", ">f4"), ("name", "S3"), ("x", "<f8"), ("y", "<i2")]
+    array = np.zeros(shape, dtype=[*fields, (label, "u1")] if label else fields)
+    values = np.random.default_rng(3).integers(1, 100, (3, 20))
+    for axis, column in zip("xyz", values, strict=True):
+        array[axis] = column.reshape(shape)
+    if label:
+        array[label] = np.arange(20).reshape(shape)
+    np.savez(tmp_path / "scan.npz", points=array)
+    for path in (write(tmp_path, npy_bytes(array)), tmp_path / "scan.npz"):
+        scan = read_scan(path)
+        np.testing.assert_array_equal(scan.points, values.T)
+        if label:
+            np.testing.assert_array_equal(scan.point_labels, range(20))
+        else:
+            assert scan.point_labels is None
+
+
+def test_structured_viewpoint(tmp_path):
+    np.savez(tmp_path / "scan.npz", points=POINTS, viewpoint=np.zeros(3, dtype=[("x", "f4")]))
+    with pytest.raises(ScanError, match="viewpoint must be 3 numbers"):
+        read_scan(tmp_path / "scan.npz")

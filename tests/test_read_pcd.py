@@ -335,7 +335,7 @@ def test_empty_binary_file_holds_no_points(tmp_path, count):
         read_scan(path)
 
 
-@pytest.mark.parametrize("encoding", ENCODINGS)
+@pytest.mark.parametrize("encoding", ["ascii", "binary"])
 @pytest.mark.parametrize("count", [1, 999999999999999999])
 def test_no_points_and_no_body(tmp_path, encoding, count):
     """Padding of any size is promised for nothing."""

@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 import pytest
 
-from shapeconcepts.io import ScanList, ScanWarning, find_scan_files, iter_scans, read_scan, read_scans
+from shapeconcepts.io import ScanList, ScanWarning, find_scan_files, iter_scans, read_scan, read_scans, reader
 from shapeconcepts.scan import Scan, ScanError
 
 
@@ -156,3 +156,28 @@ def test_shared_folders(shared_data):
         assert len({scan.label for scan in scans}) == n_labels
         known = [scan.viewpoint is not None for scan in scans]
         assert all(known) if folder == "seven_shapes" else not any(known)
+
+
+def test_a_hole_in_a_reader_costs_one_file(tmp_path, monkeypatch):
+    make(tmp_path / "1.xyz")
+    make(tmp_path / "2.off")
+    hole = ZeroDivisionError("nobody thought of it")
+
+    def read(data):
+        raise hole
+
+    monkeypatch.setitem(reader._READERS, ".off", read)
+    with pytest.warns(ScanWarning, match=r"2\.off: .*ZeroDivisionError: nobody thought of it"):
+        scans = read_scans(tmp_path)
+    assert len(scans) == 1
+    assert scans.skipped[0].__cause__ is hole
+
+
+@pytest.mark.parametrize("kind", [MemoryError, KeyboardInterrupt])
+def test_what_is_no_fault_of_the_file_passes(tmp_path, monkeypatch, kind):
+    def read(data):
+        raise kind
+
+    monkeypatch.setitem(reader._READERS, ".off", read)
+    with pytest.raises(kind):
+        read_scans(make(tmp_path / "1.off"))

@@ -48,9 +48,7 @@ def _load(data: bytes, file_type: str, n_faces: int) -> Mesh:
 
     try:
         with _silent_trimesh():
-            loaded = trimesh.load_mesh(
-                BytesIO(data), file_type=file_type, process=False, skip_materials=True
-            )
+            loaded = trimesh.load_mesh(BytesIO(data), file_type=file_type, process=False, skip_materials=True)
         mesh = Mesh(np.array(loaded.vertices, dtype=np.float64), np.array(loaded.faces, dtype=np.int64))
     except Exception as error:  # trimesh raises whatever its parsing runs into
         reason = str(error) or type(error).__name__

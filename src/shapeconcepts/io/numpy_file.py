@@ -21,8 +21,9 @@ SMALL_ENOUGH = 2**26
 
 def read_npy(data: bytes) -> Cloud:
     """Cloud from an array of shape (n, 3 or more) or (h, w, 3 or more); ScanError says what is wrong."""
-    points = _points(_array(data))
-    return Cloud(points, camera_frame_viewpoint(points))
+    array = _array(data)
+    points, labels = _points(array), _label_field(array)
+    return Cloud(points, camera_frame_viewpoint(points), None if labels is None else whole_numbers(labels))
 
 
 def read_npz(data: bytes) -> Cloud:
@@ -48,16 +49,20 @@ def read_npz(data: bytes) -> Cloud:
     points = _points(arrays["points"])
     if "viewpoint" in arrays:
         position = arrays["viewpoint"]
-        if position.shape != (3,):
-            raise ScanError(f"the array viewpoint must have the shape (3,), got {position.shape}")
+        if position.shape != (3,) or position.dtype.names:
+            raise ScanError(
+                f"the array viewpoint must be 3 numbers, got {position.dtype} of shape {position.shape}"
+            )
         viewpoint = declared_viewpoint(points, position.astype(np.float64))
     else:
         viewpoint = camera_frame_viewpoint(points)
     labels = next((arrays[name] for name in LABEL_NAMES if name in arrays), None)
-    shape = arrays["points"].shape[:-1]
+    array = arrays["points"]
+    shape = array.shape if array.dtype.names else array.shape[:-1]
     if labels is not None and labels.shape not in (shape, (len(points),)):
         raise ScanError(f"the labels must have the shape {shape}, got {labels.shape}")
-    return Cloud(points, viewpoint, None if labels is None else whole_numbers(labels.reshape(-1)))
+    labels = _label_field(array) if labels is None else labels.reshape(-1)
+    return Cloud(points, viewpoint, None if labels is None else whole_numbers(labels))
 
 
 def _array(data: bytes) -> NDArray:
@@ -71,23 +76,48 @@ def _array(data: bytes) -> NDArray:
         shape, by_column, dtype = read_header(stream)
     except Exception as error:  # the header is a Python literal, which can fail in any way
         raise ScanError(f"is not an NPY file ({error})") from None
-    if dtype.kind not in "fiub":
+    if dtype.kind not in "fiub" and (not dtype.names or dtype.hasobject):
         raise ScanError(f"holds an array of {dtype}, numbers are expected")
     offset = stream.tell()
     if not all(type(size) is int and 0 <= size < 2**62 for size in shape):
-        raise ScanError(f"is not an NPY file (an array of shape {shape})")
+        raise ScanError("is not an NPY file (its header has a shape that no array can have)")
+    if len(shape) > 3:
+        raise ScanError(f"holds an array of shape with {len(shape)} axes, (n, 3) is expected")
+    if 0 in shape:
+        raise ScanError(f"holds no points, only an array of shape {shape}")
     if prod(shape) * dtype.itemsize > len(data) - offset:
         raise ScanError(f"is truncated: the header promises an array {shape} of {dtype}, the file is smaller")
     return np.frombuffer(data, dtype, prod(shape), offset).reshape(shape, order="F" if by_column else "C")
 
 
 def _points(array: NDArray) -> NDArray[np.float64]:
-    transposed = array.ndim == 2 and array.shape[0] == 3 < array.shape[1] - 8
-    if array.ndim not in (2, 3) or array.shape[-1] < 3 or transposed:
+    if array.dtype.names:
+        if array.ndim not in (1, 2):
+            raise ScanError(f"holds fields in an array of shape {array.shape}, (n,) or (h, w) is expected")
+        with np.errstate(over="ignore"):
+            return np.column_stack([_field(array, axis).astype(np.float64) for axis in "xyz"])
+    if array.ndim == 2 and array.shape[0] == 3 < array.shape[1]:
+        raise ScanError(f"holds an array of shape {array.shape}, (n, 3) is expected, got (3, n)")
+    if array.ndim not in (2, 3) or array.shape[-1] < 3:
         raise ScanError(f"holds an array of shape {array.shape}, (n, 3) is expected")
     array = array.reshape(-1, array.shape[-1])
     with np.errstate(over="ignore"):
         return np.ascontiguousarray(array[:, :3], dtype=np.float64)
+
+
+def _label_field(array: NDArray) -> NDArray | None:
+    name = next((name for name in LABEL_NAMES if name in (array.dtype.names or ())), None)
+    return None if name is None else _field(array, name)
+
+
+def _field(array: NDArray, name: str) -> NDArray:
+    """One number for each point, in row order."""
+    names = array.dtype.names or ()
+    if name not in names:
+        raise ScanError(f"has no field {name}, only {', '.join(names[:10])}")
+    if array.dtype[name].kind not in "fiub":
+        raise ScanError(f"the field {name} must hold numbers, got {array.dtype[name]}")
+    return array[name].ravel()
 
 
 def _member(archive: zipfile.ZipFile, name: str) -> bytes:

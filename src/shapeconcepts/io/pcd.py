@@ -53,9 +53,6 @@ def read_pcd(data: bytes) -> Cloud:
     for name in names:
         if header.fields[name].n_values != 1:
             raise ScanError(f"the field {name} must have COUNT 1, got {header.fields[name].n_values}")
-    # Nothing bounds the size of no points, and numpy refuses the strides that a header can promise.
-    if header.n_points == 0:
-        raise ScanError("holds no points")
 
     if header.encoding == "ascii":
         columns = _ascii_columns(data[body:], header, names)

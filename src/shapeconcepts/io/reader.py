@@ -55,8 +55,10 @@ def read_scan(
     * .ply: ascii or binary; a point cloud, or a mesh where there are faces; vertex property `label`.
     * .xyz, .txt, .csv: one point a line, separated by blanks, commas or semicolons; names of columns are
       understood, further columns ignored.
-    * .npy: array of shape (n, 3 or more), of which the first three columns count.
-    * .npz: array `points` (n, 3), optionally `viewpoint` (3,) and `labels` (n,).
+    * .npy: array of shape (n, 3 or more) or, row by row, (h, w, 3 or more), of which the first three columns
+      count; or a structured one, (n,) or (h, w), with the fields `x`, `y`, `z` and optionally `label`.
+    * .npz: such an array `points`, optionally `viewpoint` (3,) and `labels` (n,) or (h, w); or a single such
+      array of any name.
     * .png: depth image with 16 bits.
     * .obj, .stl, .off, .glb: mesh in metres, anywhere, with the z axis up (.glb: the y axis, as glTF has it).
       The simulated sensor of `datasets.sensor.scan_mesh` looks at it from one side, always the same.
@@ -115,7 +117,9 @@ def read_scan(
                 raise ScanError("holds no point with finite x, y and z")
     except ScanError as error:
         raise ScanError(f"{path}: {error}") from None
-    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+    except MemoryError:
+        raise
+    except Exception as error:
         # What no reader foresaw in a file must not end the reading of a thousand others.
         raise ScanError(f"{path}: cannot be read ({type(error).__name__}: {error})") from error
 
