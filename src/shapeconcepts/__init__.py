@@ -9,21 +9,27 @@ from shapeconcepts.scan import Scan, ScanError
 
 if TYPE_CHECKING:
     from shapeconcepts import datasets
-    from shapeconcepts.descriptors import FPFH, Surflet, get_descriptor
+    from shapeconcepts.descriptors import FPFH, DescribedObject, Surflet, describe, get_descriptor
     from shapeconcepts.io import ScanWarning, read_scan, read_scans
+    from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary, decompose
     from shapeconcepts.segmentation import SegmentedObject, segment
 
 __version__ = "0.1.0"
 
 __all__ = [
     "FPFH",
+    "DescribedObject",
+    "MotifHierarchyEnsemble",
     "Scan",
     "ScanError",
     "ScanWarning",
+    "SegmentDictionary",
     "SegmentedObject",
     "Surflet",
     "__version__",
     "datasets",
+    "decompose",
+    "describe",
     "get_descriptor",
     "read_scan",
     "read_scans",
@@ -32,10 +38,15 @@ __all__ = [
 
 # numba takes longer to import than everything else together: these are imported when they are first used.
 _HOME_OF = {
+    "DescribedObject": ".descriptors",
     "FPFH": ".descriptors",
+    "MotifHierarchyEnsemble": ".motifs",
     "ScanWarning": ".io",
+    "SegmentDictionary": ".motifs",
     "SegmentedObject": ".segmentation",
     "Surflet": ".descriptors",
+    "decompose": ".motifs",
+    "describe": ".descriptors",
     "get_descriptor": ".descriptors",
     "read_scan": ".io",
     "read_scans": ".io",

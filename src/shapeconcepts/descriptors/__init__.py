@@ -1,8 +1,18 @@
 """Descriptors: histograms of segments that add up over sets of segments."""
 
+from shapeconcepts.descriptors.described_object import DescribedObject, describe
 from shapeconcepts.descriptors.fpfh import FPFH, compute_fpfh
 from shapeconcepts.descriptors.protocol import Description, Descriptor
 from shapeconcepts.descriptors.registry import get_descriptor
 from shapeconcepts.descriptors.surflet import Surflet
 
-__all__ = ["FPFH", "Description", "Descriptor", "Surflet", "compute_fpfh", "get_descriptor"]
+__all__ = [
+    "FPFH",
+    "DescribedObject",
+    "Description",
+    "Descriptor",
+    "Surflet",
+    "compute_fpfh",
+    "describe",
+    "get_descriptor",
+]

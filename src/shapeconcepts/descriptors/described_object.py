@@ -1,0 +1,64 @@
+"""A segmented object reduced to what the motif hierarchies take: its segment graph and its description."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts.descriptors.protocol import Description, Descriptor
+from shapeconcepts.descriptors.registry import get_descriptor
+from shapeconcepts.segmentation.segmented_object import SegmentedObject
+
+
+@dataclass(frozen=True, eq=False)
+class DescribedObject:
+    """The graph of an object's segments with their histograms.
+
+    Attributes
+    ----------
+    description : Description
+        Histograms of the segments and of any constellation of them.
+    segment_edges : (e, 2) int32
+        Pairs of neighbouring segments.
+    name, label
+        As in the scan.
+    """
+
+    description: Description
+    segment_edges: NDArray[np.int32] = field(default_factory=lambda: np.empty((0, 2), np.int32))
+    name: str = ""
+    label: str | None = None
+
+    @property
+    def n_segments(self) -> int:
+        """Number of segments."""
+        return self.description.n_segments
+
+
+def describe(segmented: SegmentedObject, descriptor: str | Descriptor = "surflet") -> DescribedObject:
+    """Describe the segments of an object.
+
+    Parameters
+    ----------
+    segmented : SegmentedObject
+    descriptor : {"fpfh", "surflet"} or Descriptor
+
+    Raises
+    ------
+    ValueError
+        If the descriptor is unknown, returns something else than a `Description`, or describes another number
+        of segments than there are, or by histograms that are negative or not finite.
+    """
+    description = get_descriptor(descriptor).describe(segmented)
+    if not isinstance(description, Description):
+        raise ValueError(f"descriptor must return a Description, got {type(description).__name__}")
+    if description.n_segments != segmented.n_segments:
+        raise ValueError(
+            f"descriptor must describe {segmented.n_segments} segments, got {description.n_segments}"
+        )
+    for histograms in (description.segment_histograms, description.pair_histograms):
+        if histograms is not None and not (np.isfinite(histograms).all() and (histograms >= 0).all()):
+            raise ValueError("descriptor must give finite histograms of at least 0, got others")
+    return DescribedObject(description, segmented.segment_edges, segmented.name, segmented.label)

@@ -1,0 +1,51 @@
+"""Kernel that enumerates the constellations of a segment graph."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+
+@njit(cache=True)
+def enumerate_constellations(
+    n_segments: int, edges: NDArray[np.int32]
+) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+    """Sets of segments as bitmasks, with the motif level that first yields each.
+
+    Parameters
+    ----------
+    n_segments : int
+        At most 16: the kernel takes a byte for each of the ``2 ** n_segments`` sets.
+    edges : (e, 2) int32
+        Neighbouring segments.
+
+    Returns
+    -------
+    constellations : (k,) int64
+        Bit i stands for segment i. In the order of their motif level, rising within each.
+    motif_levels : (k,) int32
+    """
+    # 0 where a set was not seen; the number of the level that yields it first otherwise.
+    level_of = np.zeros(1 << n_segments, np.uint8)
+    for segment in range(n_segments):
+        level_of[1 << segment] = 1
+    for e in range(len(edges)):
+        level_of[(1 << edges[e, 0]) | (1 << edges[e, 1])] = 2
+    level = 2
+    while True:
+        current = np.flatnonzero(level_of == level)
+        n_new = 0
+        for a in range(len(current)):
+            for b in range(a):
+                union = current[a] | current[b]
+                if current[a] & current[b] and level_of[union] == 0:
+                    level_of[union] = level + 1
+                    n_new += 1
+        if n_new == 0:
+            break
+        level += 1
+    constellations = np.flatnonzero(level_of)
+    levels = level_of[constellations].astype(np.int32)
+    order = np.argsort(levels, kind="mergesort")
+    return constellations[order], levels[order]

@@ -1,0 +1,268 @@
+"""The shape motif hierarchy ensemble: from described objects to stimuli."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from numbers import Integral, Real
+from typing import TypeVar
+
+import numpy as np
+from joblib import Parallel, delayed, effective_n_jobs
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+from sklearn.base import BaseEstimator, TransformerMixin, clone
+from sklearn.utils.validation import check_is_fitted
+
+from shapeconcepts.descriptors.described_object import DescribedObject, describe
+from shapeconcepts.descriptors.protocol import Descriptor
+from shapeconcepts.descriptors.registry import get_descriptor
+from shapeconcepts.motifs.dictionary import SegmentDictionary
+from shapeconcepts.motifs.explanation import Explanation, explain_propagation
+from shapeconcepts.motifs.hierarchy import MotifHierarchies
+from shapeconcepts.motifs.propagation import propagate
+from shapeconcepts.motifs.stimuli import Activation, sparse_rows, stimuli_rows
+from shapeconcepts.segmentation.segmented_object import SegmentedObject
+
+Item = TypeVar("Item")
+
+
+class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
+    """Learns the motifs of segmented objects, and turns an object into the stimuli of these motifs.
+
+    Each object is decomposed into constellations of neighbouring segments. In each hierarchy, one for each
+    level of the dictionary, a constellation belongs to the motif vertex of its words and leaves its
+    description there as a prototype. An object's stimulus at a vertex says how much its own constellation
+    with these words resembles the prototypes (paper: Hierarchical Object Decomposition and Representation,
+    Stimuli Generation).
+
+    Parameters
+    ----------
+    dictionary : SegmentDictionary or None
+        A fitted one is used as it is; one that is not fitted, or None for the default, is learned from the
+        segments of the objects of the first `fit` or `partial_fit`. scikit-learn's `clone` forgets what a
+        dictionary learned; wrap it in `sklearn.frozen.FrozenEstimator` where it must not.
+    descriptor : {"fpfh", "surflet"} or Descriptor
+        Describes objects that come without a description.
+    bandwidth : float
+        Sigma of equation 1, in bits of Jensen-Shannon divergence.
+    leave_own_out : bool
+        Whether an object's own prototypes are left out of its row in `stimuli_`. They always match, which no
+        prototype does for a new object.
+    min_support : int
+        Smallest number of training objects in which a motif must have been seen to be a column of the
+        stimuli.
+    n_jobs : int or None
+        As in joblib. The result does not depend on it.
+
+    Attributes
+    ----------
+    dictionary_ : SegmentDictionary
+    hierarchies_ : MotifHierarchies
+        Vertices, edges and prototypes.
+    columns_ : (c,) int64
+        Vertex behind each column of the stimuli, ordered by dictionary level, number of words, and words.
+    stimuli_ : (n_objects, c) csr_matrix of float64
+        Rows of the training objects, to learn from. `transform` of the same objects gives other rows, as it
+        leaves nothing out.
+    """
+
+    _training_stimuli: csr_matrix | None
+
+    def __init__(
+        self,
+        dictionary: SegmentDictionary | None = None,
+        descriptor: str | Descriptor = "surflet",
+        bandwidth: float = 0.1,
+        leave_own_out: bool = True,
+        min_support: int = 2,
+        n_jobs: int | None = None,
+    ) -> None:
+        self.dictionary = dictionary
+        self.descriptor = descriptor
+        self.bandwidth = bandwidth
+        self.leave_own_out = leave_own_out
+        self.min_support = min_support
+        self.n_jobs = n_jobs
+
+    def fit(self, X: Iterable[SegmentedObject | DescribedObject], y: object = None) -> MotifHierarchyEnsemble:
+        """Learn dictionary and motifs from objects, forgetting what was learned before.
+
+        Parameters
+        ----------
+        X : iterable of SegmentedObject or DescribedObject
+            At least one.
+        y : ignored
+
+        Returns
+        -------
+        self
+
+        Raises
+        ------
+        ValueError
+            If a parameter is out of range, X is empty or holds something else, or an object has more than 16
+            segments.
+        """
+        self._check_parameters()
+        described = self._described(X)
+        dictionary = self._fitted_dictionary(described)
+        n_bins = described[0].description.n_bins
+        return self._learn(described, dictionary, MotifHierarchies.empty(len(dictionary.words_), n_bins))
+
+    def partial_fit(
+        self, X: Iterable[SegmentedObject | DescribedObject], y: object = None
+    ) -> MotifHierarchyEnsemble:
+        """Add objects to what was learned before; the dictionary stays as it is.
+
+        The first call learns the dictionary, like `fit`. Learning in parts gives the same hierarchies as
+        learning all at once with the same dictionary. Columns can appear and move: look them up by name.
+
+        Parameters, errors and result are those of `fit`.
+        """
+        if not hasattr(self, "hierarchies_"):
+            return self.fit(X)
+        self._check_parameters()
+        return self._learn(self._described(X), self.dictionary_, self.hierarchies_)
+
+    def transform(self, X: Iterable[SegmentedObject | DescribedObject]) -> csr_matrix:
+        """Stimuli of objects; what was learned does not change.
+
+        Parameters
+        ----------
+        X : iterable of SegmentedObject or DescribedObject
+
+        Returns
+        -------
+        (n, c) csr_matrix of float64
+            Stimuli between 1e-6 and 1; smaller ones are left out. A row is the same alone and among others.
+
+        Raises
+        ------
+        ValueError
+            If X holds something else, or an object has more than 16 segments or other histograms.
+        """
+        check_is_fitted(self, "hierarchies_")
+        described = self._described(X, allow_empty=True)
+        propagations = [propagate(one, self.dictionary_) for one in described]
+        return self._stimuli([(p.histograms, self.hierarchies_.activated(p.words), -1) for p in propagations])
+
+    def fit_transform(self, X: Iterable[SegmentedObject | DescribedObject], y: object = None) -> csr_matrix:
+        """Learn from objects, and give the rows to go on with: `stimuli_`, not those of `transform`."""
+        return self.fit(X).stimuli_
+
+    def explain(self, X: SegmentedObject | DescribedObject) -> Explanation:
+        """Why an object has the stimuli that it has.
+
+        Parameters
+        ----------
+        X : SegmentedObject or DescribedObject
+
+        Returns
+        -------
+        Explanation
+            The columns of its row in falling order of the stimulus, each with the constellation behind it and
+            the closest prototypes.
+        """
+        check_is_fitted(self, "hierarchies_")
+        (described,) = self._described([X])
+        return explain_propagation(
+            propagate(described, self.dictionary_), self.hierarchies_, self.columns_, float(self.bandwidth)
+        )
+
+    def get_feature_names_out(self, input_features: object = None) -> NDArray[np.object_]:
+        """Names of the columns: "d3 m2 w1 w4" is the motif of words 1 and 4 of dictionary level 3.
+
+        m2 says that the motif was first seen at motif level 2.
+        """
+        check_is_fitted(self, "hierarchies_")
+        return np.array([self.hierarchies_.name(vertex) for vertex in self.columns_], dtype=object)
+
+    @property
+    def stimuli_(self) -> csr_matrix:
+        """Rows of the training objects, computed when they are first asked for."""
+        check_is_fitted(self, "hierarchies_")
+        if self._training_stimuli is None:
+            known = self.hierarchies_
+            starts = np.flatnonzero(np.diff(known.prototype_objects, prepend=-1))[1:]
+            histograms = np.split(known.prototypes, starts)
+            vertices = np.split(known.prototype_vertices, starts)
+            left_out = range(known.n_objects) if self.leave_own_out else [-1] * known.n_objects
+            self._training_stimuli = self._stimuli(list(zip(histograms, vertices, left_out, strict=True)))
+        return self._training_stimuli
+
+    def _learn(
+        self, described: list[DescribedObject], dictionary: SegmentDictionary, hierarchies: MotifHierarchies
+    ) -> MotifHierarchyEnsemble:
+        propagations = [propagate(one, dictionary) for one in described]
+        self.hierarchies_ = hierarchies.with_objects(propagations, [one.name for one in described])
+        self.dictionary_ = dictionary
+        self.columns_ = _columns(self.hierarchies_, self.min_support)
+        self._training_stimuli = None
+        return self
+
+    def _fitted_dictionary(self, described: list[DescribedObject]) -> SegmentDictionary:
+        if self.dictionary is not None and hasattr(self.dictionary, "words_"):
+            return self.dictionary
+        dictionary = SegmentDictionary() if self.dictionary is None else clone(self.dictionary)
+        segments = [one.description.histograms(1 << np.arange(one.n_segments)) for one in described]
+        return dictionary.fit(np.concatenate(segments))
+
+    def _described(
+        self, X: Iterable[SegmentedObject | DescribedObject], *, allow_empty: bool = False
+    ) -> list[DescribedObject]:
+        objects = list(X)
+        if not objects and not allow_empty:
+            raise ValueError("X must hold at least one object, got none")
+        for position, one in enumerate(objects):
+            if not isinstance(one, SegmentedObject | DescribedObject):
+                raise ValueError(
+                    "X must hold objects of type SegmentedObject or DescribedObject, "
+                    f"got {type(one).__name__} at position {position}"
+                )
+        descriptor = get_descriptor(self.descriptor)
+        chunks = _chunks(objects, self.n_jobs)
+        described = Parallel(self.n_jobs)(delayed(_describe_all)(chunk, descriptor) for chunk in chunks)
+        return [one for chunk in described for one in chunk]
+
+    def _stimuli(self, activations: list[Activation]) -> csr_matrix:
+        column_of = np.full(self.hierarchies_.n_vertices, -1, np.int32)
+        column_of[self.columns_] = np.arange(len(self.columns_))
+        # The kernels run without Python's lock, so threads do, and nothing is copied.
+        rows = Parallel(self.n_jobs, prefer="threads")(
+            delayed(stimuli_rows)(chunk, self.hierarchies_, column_of, float(self.bandwidth))
+            for chunk in _chunks(activations, self.n_jobs)
+        )
+        return sparse_rows([row for chunk in rows for row in chunk], len(self.columns_))
+
+    def _check_parameters(self) -> None:
+        if isinstance(self.bandwidth, bool) or not isinstance(self.bandwidth, Real) or not self.bandwidth > 0:
+            raise ValueError(f"bandwidth must be a positive number, got {self.bandwidth!r}")
+        if (
+            isinstance(self.min_support, bool)
+            or not isinstance(self.min_support, Integral)
+            or self.min_support < 1
+        ):
+            raise ValueError(f"min_support must be an integer of at least 1, got {self.min_support!r}")
+        get_descriptor(self.descriptor)
+
+
+def _columns(hierarchies: MotifHierarchies, min_support: int) -> NDArray[np.int64]:
+    """Vertices with enough support, in an order that does not depend on when they were seen."""
+    supported = np.flatnonzero(hierarchies.support >= min_support)
+    words = hierarchies.words[supported]
+    # Words stand at the end of their row: fewer words mean more -1 before them, so sorting the whole row
+    # orders by number first.
+    order = np.lexsort((*words.T[::-1], hierarchies.dictionary_levels[supported]))
+    return supported[order]
+
+
+def _chunks(items: list[Item], n_jobs: int | None) -> list[list[Item]]:
+    """Equal shares, several for each job, so that none waits for another for long."""
+    n_chunks = min(len(items), 4 * effective_n_jobs(n_jobs))
+    return [items[i * len(items) // n_chunks : (i + 1) * len(items) // n_chunks] for i in range(n_chunks)]
+
+
+def _describe_all(
+    objects: Sequence[SegmentedObject | DescribedObject], descriptor: Descriptor
+) -> list[DescribedObject]:
+    return [one if isinstance(one, DescribedObject) else describe(one, descriptor) for one in objects]

@@ -1,0 +1,179 @@
+"""Why an object has its stimuli: the motifs that fired, and what they remind of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts.motifs.hierarchy import MotifHierarchies
+from shapeconcepts.motifs.propagation import Propagation
+from shapeconcepts.motifs.stimuli import SMALLEST_STIMULUS, constellation_stimuli
+from shapeconcepts.motifs.stimulus_kernels import jensen_shannon, negative_entropies
+
+N_CLOSEST = 5
+
+
+@dataclass(frozen=True)
+class SimilarPrototype:
+    """A training constellation that a constellation of the explained object resembles.
+
+    Attributes
+    ----------
+    object_index : int
+        Training object, counted in the order in which they were seen.
+    object_name : str
+    segments : tuple of int
+        The training object's segments behind the prototype.
+    divergence : float
+        Jensen-Shannon divergence in bits, 0 (same) to 1 (nothing in common).
+    """
+
+    object_index: int
+    object_name: str
+    segments: tuple[int, ...]
+    divergence: float
+
+
+@dataclass(frozen=True)
+class FiredMotif:
+    """A motif vertex that fired.
+
+    Attributes
+    ----------
+    column : int
+        Column of the stimuli.
+    vertex : int
+        Number of the motif vertex.
+    name : str
+        As in `get_feature_names_out`.
+    dictionary_level, motif_level : int
+        From 1.
+    words : tuple of int
+        Words of the motif, rising.
+    stimulus : float
+    segments : tuple of int
+        The object's own segments behind it.
+    n_prototypes : int
+        Number of prototypes that the stimulus is the mean over.
+    closest : tuple of SimilarPrototype
+        The prototypes of smallest divergence, at most 5, each training object once.
+    """
+
+    column: int
+    vertex: int
+    name: str
+    dictionary_level: int
+    motif_level: int
+    words: tuple[int, ...]
+    stimulus: float
+    segments: tuple[int, ...]
+    n_prototypes: int
+    closest: tuple[SimilarPrototype, ...]
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """The motifs that an object fired, strongest first, and those that it could not.
+
+    Attributes
+    ----------
+    motifs : tuple of FiredMotif
+        In falling order of the stimulus; of equal ones the one of more segments first.
+    n_constellations : int
+        Number of the object's constellations.
+    n_unknown : tuple of int
+        For each dictionary level, the number of constellations whose motif is no column: never seen, or in
+        too few objects.
+    """
+
+    motifs: tuple[FiredMotif, ...]
+    n_constellations: int
+    n_unknown: tuple[int, ...]
+
+
+def explain_propagation(
+    propagation: Propagation, hierarchies: MotifHierarchies, columns: NDArray[np.int64], bandwidth: float
+) -> Explanation:
+    """Explain the stimuli of a propagated object.
+
+    Parameters
+    ----------
+    propagation : Propagation
+    hierarchies : MotifHierarchies
+    columns : (c,) int64
+        Vertex behind each column.
+    bandwidth : float
+    """
+    column_of = np.full(hierarchies.n_vertices, -1, np.int32)
+    column_of[columns] = np.arange(len(columns))
+    activation = (propagation.histograms, hierarchies.activated(propagation.words), -1)
+    fired_columns, stimuli = constellation_stimuli(activation, hierarchies, column_of, bandwidth)
+    strongest: dict[int, tuple[float, int]] = {}
+    for (constellation, level), stimulus in np.ndenumerate(stimuli):
+        column = int(fired_columns[constellation, level])
+        if stimulus >= SMALLEST_STIMULUS and stimulus > strongest.get(column, (0.0, -1))[0]:
+            strongest[column] = (float(stimulus), constellation)
+    motifs = [
+        _fired_motif(column, int(columns[column]), *fired, propagation, hierarchies)
+        for column, fired in strongest.items()
+    ]
+    motifs.sort(key=lambda motif: (-motif.stimulus, -len(motif.words), motif.column))
+    return Explanation(
+        motifs=tuple(motifs),
+        n_constellations=len(propagation.constellations),
+        n_unknown=tuple((fired_columns < 0).sum(axis=0).tolist()),
+    )
+
+
+def segments_in(constellation: int) -> tuple[int, ...]:
+    """Segments of a constellation given as a bitmask."""
+    return tuple(i for i in range(int(constellation).bit_length()) if int(constellation) >> i & 1)
+
+
+def _fired_motif(
+    column: int,
+    vertex: int,
+    stimulus: float,
+    constellation: int,
+    propagation: Propagation,
+    hierarchies: MotifHierarchies,
+) -> FiredMotif:
+    starts, prototypes = hierarchies.prototypes_of
+    behind = prototypes[starts[vertex] : starts[vertex + 1]]
+    return FiredMotif(
+        column=column,
+        vertex=vertex,
+        name=hierarchies.name(vertex),
+        dictionary_level=int(hierarchies.dictionary_levels[vertex]),
+        motif_level=int(hierarchies.motif_levels[vertex]),
+        words=hierarchies.motif(vertex),
+        stimulus=stimulus,
+        segments=segments_in(int(propagation.constellations[constellation])),
+        n_prototypes=len(behind),
+        closest=_closest(propagation.histograms[constellation], behind, hierarchies),
+    )
+
+
+def _closest(
+    histogram: NDArray[np.float32], behind: NDArray[np.int32], hierarchies: MotifHierarchies
+) -> tuple[SimilarPrototype, ...]:
+    entropy = negative_entropies(histogram[None])[0]
+    divergences = [
+        jensen_shannon(histogram, hierarchies.prototypes[t], entropy, hierarchies.prototype_entropies[t])
+        for t in behind
+    ]
+    closest: dict[int, SimilarPrototype] = {}
+    for k in np.argsort(divergences, kind="stable"):
+        index = int(hierarchies.prototype_objects[behind[k]])
+        if index not in closest:
+            closest[index] = SimilarPrototype(
+                index,
+                hierarchies.object_names[index],
+                segments_in(int(hierarchies.prototype_constellations[behind[k]])),
+                float(divergences[k]),
+            )
+        if len(closest) == N_CLOSEST:
+            break
+    return tuple(closest.values())
