@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ from numpy.typing import NDArray
 
 from shapeconcepts import Scan, ScanError, datasets, read_scans
 
+# Folders of restaurant_views that hold another shape than their name says.
+RESTAURANT_SHAPES = {"cocacola": "can", "milk": "carton", "yogurt": "carton", "fork": "cutlery"}
 SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 
 
@@ -36,6 +39,14 @@ def scans_in(parser: ArgumentParser, folder: Path) -> list[Scan]:
         return datasets.load_osd(folder) if any(folder.glob("*.pcd")) else read_scans(folder)
     except ScanError as error:
         parser.error(str(error))
+
+
+def labelled_scans(parser: ArgumentParser, name: str) -> list[Scan]:
+    """Scans of one of the shared data sets by its folder's name, or "simulated", with labels of shapes."""
+    if name == "simulated":
+        return datasets.simulate(n_per_category=66, random_state=100)
+    scans = scans_in(parser, SHARED_DATA / name)
+    return [replace(scan, label=RESTAURANT_SHAPES.get(scan.label, scan.label)) for scan in scans]
 
 
 def percent(flags: Sequence[bool] | NDArray[np.bool_]) -> str:

@@ -84,6 +84,28 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         self.min_support = min_support
         self.n_jobs = n_jobs
 
+    @classmethod
+    def preset(cls, name: str) -> MotifHierarchyEnsemble:
+        """An ensemble with a named choice of parameters.
+
+        Parameters
+        ----------
+        name : {"default", "paper"}
+            "paper" takes the paper at its word: 4 dictionary levels under L2, FPFH, sigma 0.025, own
+            prototypes in, every vertex a column.
+
+        Raises
+        ------
+        ValueError
+            If there is no such preset.
+        """
+        if name == "default":
+            return cls()
+        if name == "paper":
+            dictionary = SegmentDictionary(n_levels=4, metric="euclidean")
+            return cls(dictionary, "fpfh", bandwidth=0.025, leave_own_out=False, min_support=1)
+        raise ValueError(f"preset must be 'default' or 'paper', got {name!r}")
+
     def fit(self, X: Iterable[SegmentedObject | DescribedObject], y: object = None) -> MotifHierarchyEnsemble:
         """Learn dictionary and motifs from objects, forgetting what was learned before.
 
