@@ -1,10 +1,12 @@
 """The command line as a user types it."""
 
+import errno
 import json
 import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 import pytest
@@ -25,14 +27,20 @@ def run(*arguments: object):
     return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
-def run_installed(*arguments: object, folder: Path) -> subprocess.CompletedProcess[str]:
+def run_installed(
+    *arguments: object,
+    folder: Path,
+    stdout: int | TextIO = subprocess.PIPE,
+    stderr: int | TextIO = subprocess.PIPE,
+) -> subprocess.CompletedProcess[str]:
     """The installed command in a process of its own, as in a script: no terminal, no input."""
     return subprocess.run(
         [COMMAND, *map(str, arguments)],
         cwd=folder,
         env={**os.environ, "COLUMNS": "100"},
         stdin=subprocess.DEVNULL,
-        capture_output=True,
+        stdout=stdout,
+        stderr=stderr,
         text=True,
         timeout=300,
     )
@@ -223,9 +231,21 @@ def test_an_empty_folder_is_named(tmp_path: Path) -> None:
         (["segment", "a.pcd", "--image", "picture.doc"], "picture format"),
         (["segment", "a.pcd", "--image", "no_such_folder/a.png"], "no_such_folder"),
         (["segment", "a.pcd", "--colour"], "--colour"),
+        (["segment", "a.png", "--intrinsics", "525,525,320"], "--intrinsics"),
+        (["segment", "a.png", "--intrinsics", "525,525,320,240,1"], "got '525,525,320,240,1'"),
+        (["segment", "a.png", "--intrinsics", "0,525,320,240"], "FX,FY,CX,CY"),
+        (["segment", "a.png", "--intrinsics", "525,525,nan,240"], "--intrinsics"),
+        (["segment", "a.png", "--intrinsics", "wide"], "got 'wide'"),
+        (["segment", "a.png", "--depth-scale", "0"], "--depth-scale"),
+        (["segment", "a.png", "--depth-scale", "nan"], "got nan"),
+        (["segment", "a.png", "--mask", "no_such_mask.png"], "no_such_mask.png"),
+        (["segment", "a.pcd", "--mask", "."], "is for depth images"),
         (["simulate", "scans", "--n-per-category", "0"], "--n-per-category"),
         (["simulate", "scans", "--categories", "box,car"], "'car'"),
         (["simulate", "scans", "--random-state", "-1"], "--random-state"),
+        (["simulate", "scans", "--random-state", "a"], "--random-state"),
+        (["simulate", "scans", "--n-per-category", "1.5"], "--n-per-category"),
+        (["simulate", "scans", "--categories", "box,"], "unknown category ''"),
         (["learn"], "learn"),
     ],
 )
@@ -303,3 +323,147 @@ def test_an_interrupted_simulation_leaves_whole_files(
     assert result.exit_code != 0
     assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["ball_000.pcd"]
     assert len(shapeconcepts.read_scan(tmp_path / "ball" / "ball_000.pcd")) > 0
+
+
+def write_depth(path: Path, shape: tuple[int, int] = (480, 640)) -> Path:
+    """A flat wall 0.9 m away, 1.8 m for a camera whose unit is 2 mm."""
+    depth = np.zeros(shape, dtype=np.uint16)
+    depth[10:110, 20:130] = 900
+    path.parent.mkdir(parents=True, exist_ok=True)
+    Image.fromarray(depth).save(path)
+    return path
+
+
+def write_mask(path: Path, n_columns: int) -> Path:
+    """The left columns of the wall."""
+    mask = np.zeros((480, 640), dtype=np.uint8)
+    mask[:, : 20 + n_columns] = 255
+    path.parent.mkdir(parents=True, exist_ok=True)
+    Image.fromarray(mask).save(path)
+    return path
+
+
+def test_intrinsics_and_depth_scale_of_a_depth_image(tmp_path: Path) -> None:
+    path = write_depth(tmp_path / "depth.png", (120, 160))
+    refused = run("segment", path)
+    assert refused.exit_code == 1
+    assert "intrinsics are needed" in refused.stderr
+    result = run("segment", path, "--intrinsics", "300, 300,80,60", "--depth-scale", 0.002, "--json")
+    assert result.exit_code == 0, result.stderr
+    [scan] = json.loads(result.stdout)["scans"]
+    assert scan["n_points"] == 11_000
+    [segment] = scan["segments"]
+    middle = np.array([(74.5 - 80) / 300, (59.5 - 60) / 300, 1]) * 1.8
+    np.testing.assert_allclose(segment["centroid"], middle, atol=0.01)
+
+
+def test_mask_of_one_depth_image(tmp_path: Path) -> None:
+    path = write_depth(tmp_path / "depth.png")
+    mask = write_mask(tmp_path / "mask.png", 50)
+    result = run("segment", path, "--mask", mask, "--json")
+    assert result.exit_code == 0, result.stderr
+    assert json.loads(result.stdout)["scans"][0]["n_points"] == 5000
+
+
+def test_folder_of_depth_images_with_a_folder_of_masks(tmp_path: Path) -> None:
+    for index, name in enumerate(("box/1.png", "can/1.png", "can/2.png", "can/3.png")):
+        write_depth(tmp_path / "depth" / name)
+        if index < 3:
+            write_mask(tmp_path / "masks" / name, 40 + 10 * index)
+    write_pcd(tmp_path / "depth" / "corner.pcd", box_corner())
+    result = run("segment", tmp_path / "depth", "--mask", tmp_path / "masks", "--json")
+    assert result.exit_code == 0, result.stderr
+    document = json.loads(result.stdout)
+    assert {scan["name"]: scan["n_points"] for scan in document["scans"]} == {
+        "box/1.png": 4000,
+        "can/1.png": 5000,
+        "can/2.png": 6000,
+        "corner.pcd": 12_000,
+    }
+    [skipped] = document["skipped"]
+    assert skipped["name"] == "can/3.png"
+    assert str(tmp_path / "masks" / "can" / "3.png") in skipped["reason"]
+
+    single = run("segment", tmp_path / "depth/can/2.png", "--mask", tmp_path / "masks/can", "--json")
+    assert json.loads(single.stdout)["scans"][0]["n_points"] == 6000
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["segment", "box"],
+        ["segment", "box", "--json"],
+        ["--help"],
+        ["--version"],
+        ["simulate", "new", "--json"],
+    ],
+)
+def test_full_disk(scans: Path, tmp_path: Path, arguments: list[str]) -> None:
+    arguments = [str(scans / "box") if argument == "box" else argument for argument in arguments]
+    if arguments[0] == "simulate":
+        arguments += ["--n-per-category", "1", "--categories", "ball"]
+    with open("/dev/full", "w") as full:
+        result = run_installed(*arguments, folder=tmp_path, stdout=full)
+    assert result.returncode == 1
+    assert result.stderr == "Error: cannot write the output: No space left on device\n"
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")
+def test_full_disk_for_messages_too(tmp_path: Path) -> None:
+    with open("/dev/full", "w") as full:
+        assert run_installed("--help", folder=tmp_path, stdout=full, stderr=full).returncode == 1
+
+
+@pytest.mark.parametrize("arguments", [["segment", "box"], ["segment", "box", "--json"], ["--help"]])
+def test_closed_pipe(scans: Path, tmp_path: Path, arguments: list[str]) -> None:
+    arguments = [str(scans / "box") if argument == "box" else argument for argument in arguments]
+    reading, writing = os.pipe()
+    os.close(reading)
+    try:
+        result = run_installed(*arguments, folder=tmp_path, stdout=writing)
+    finally:
+        os.close(writing)
+    assert result.returncode == 1
+    assert result.stderr == ""
+
+
+def test_a_picture_that_cannot_be_written_keeps_the_old_one(
+    scans: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(self: Path, target: Path) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    image = tmp_path / "corner.png"
+    image.write_bytes(b"the old one")
+    monkeypatch.setattr(Path, "replace", full)
+    result = run("segment", scans / "box" / "box_0.pcd", "--image", image)
+    assert result.exit_code == 1
+    assert result.stderr == f"Error: cannot write {image}: No space left on device\n"
+    assert "box_0.pcd" in result.stdout
+    assert image.read_bytes() == b"the old one"
+    assert list(tmp_path.iterdir()) == [image]
+
+
+def test_an_interrupted_picture_keeps_the_old_one(
+    scans: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(self: Image.Image, file: object, *arguments: object) -> None:
+        if isinstance(file, str | Path):
+            Path(file).write_bytes(b"half")
+        raise KeyboardInterrupt
+
+    image = tmp_path / "corner.png"
+    image.write_bytes(b"the old one")
+    monkeypatch.setattr(Image.Image, "save", interrupted)
+    assert run("segment", scans / "box" / "box_0.pcd", "--image", image).exit_code != 0
+    assert image.read_bytes() == b"the old one"
+
+
+def test_a_picture_replaces_what_its_link_leads_to(scans: Path, tmp_path: Path) -> None:
+    image, link = tmp_path / "corner.png", tmp_path / "link.png"
+    image.write_bytes(b"the old one")
+    link.symlink_to(image)
+    assert run("segment", scans / "box" / "box_0.pcd", "--image", link).exit_code == 0
+    assert link.is_symlink()
+    assert image.read_bytes().startswith(b"\x89PNG")

@@ -96,14 +96,13 @@ def test_mask_image_and_array(tmp_path, mode):
 def test_bad_masks(tmp_path):
     path = write(tmp_path, png_bytes(depth_image()))
     Image.fromarray(np.ones((48, 64), dtype=np.uint8)).save(tmp_path / "small.png")
-    Image.fromarray(np.ones((480, 640, 3), dtype=np.uint8)).save(tmp_path / "colour.png")
     write(tmp_path, b"\xff\xd8 this is no image", "broken.png")
     cases = [
         (tmp_path / "small.png", r"mask .*small\.png is 64 x 48 pixels, the depth image 640 x 480"),
-        (tmp_path / "colour.png", "one channel"),
         (tmp_path / "broken.png", r"broken\.png"),
         (tmp_path / "missing.png", r"missing\.png"),
         (np.ones((48, 64)), r"shape \(480, 640\)"),
+        (np.ones((480, 640, 5)), r"shape \(480, 640\), got \(480, 640, 5\)"),
         (np.zeros((480, 640)), "no pixel with a depth in its mask"),
     ]
     for mask, message in cases:
@@ -154,3 +153,27 @@ def test_damaged_header(tmp_path):
     data[23] -= 1
     with pytest.raises(ScanError, match=r"scan\.png: is no image"):
         read_scan(write(tmp_path, bytes(data)), intrinsics=(525, 525, 320, 240))
+
+
+@pytest.mark.parametrize(
+    ("mode", "channel"), [("LA", 0), *((mode, channel) for mode in ("RGB", "RGBA") for channel in range(3))]
+)
+def test_mask_in_colour(tmp_path, mode, channel):
+    """Any colour is object; opacity says nothing."""
+    depth = depth_image()
+    mask = np.zeros((*depth.shape, len(mode)), dtype=np.uint8)
+    mask[5:20, 5:40, channel] = 3
+    if mode != "RGB":
+        mask[:, :, -1] = 255
+        mask[5:20, 5:40, -1] = 0
+    Image.fromarray(mask, mode).save(tmp_path / "mask.png")
+    path = write(tmp_path, png_bytes(depth))
+    expected = slow_points(np.where(mask[:, :, channel] > 0, depth, 0), 525, 525, 319.5, 239.5, 0.001)
+    for given in (tmp_path / "mask.png", mask):
+        np.testing.assert_allclose(read_scan(path, mask=given).points, expected, rtol=1e-12)
+
+
+def test_more_pixels_than_any_camera_has(tmp_path):
+    path = write(tmp_path, png_bytes(np.zeros((1, 1)), 4096, 4096))
+    with pytest.raises(ScanError, match=r"scan\.png: is 4096 x 4096 pixels, at most 8388608"):
+        read_scan(path, intrinsics=(525, 525, 2048, 2048))

@@ -1,8 +1,8 @@
 """Meshes: OBJ, STL, OFF, GLB and PLY with faces, down to the scan that the simulator makes of them."""
 
 import json
-import logging
 import struct
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -296,12 +296,103 @@ def test_trimesh_does_not_log(tmp_path, scanned, monkeypatch, caplog):
     load_mesh = trimesh.load_mesh
 
     def talkative(*args, **options):
-        logging.getLogger("trimesh").error("said while loading")
+        trimesh.util.log.error("said while loading")
         return load_mesh(*args, **options)
 
     monkeypatch.setattr(trimesh, "load_mesh", talkative)
     read_scan(write(tmp_path, exported("stl"), "mesh.stl"))
     with pytest.raises(ScanError):
         read_scan(write(tmp_path, BAD["stl ascii damaged number"][1], "mesh.stl"))
-    logging.getLogger("trimesh").error("said afterwards")
+    trimesh.util.log.error("said afterwards")
     assert [record.message for record in caplog.records] == ["said afterwards"]
+
+
+def test_trimesh_does_not_log_what_it_repairs(tmp_path, scanned, caplog):
+    read_scan(write(tmp_path, exported("stl_ascii").replace(b"normal ", b"normal x", 1), "mesh.stl"))
+    assert len(scanned["faces"]) == 3
+    assert caplog.records == []
+
+
+@pytest.mark.parametrize("trailing", [b"\0", b"\0" * 49, b"made by a program\n", bytes(500)])
+def test_stl_with_more_after_the_last_face(tmp_path, scanned, trailing):
+    read_scan(write(tmp_path, exported("stl") + trailing, "mesh.stl"))
+    np.testing.assert_allclose(
+        corners(scanned["vertices"], scanned["faces"]), corners(VERTICES, TRIANGLES), atol=2e-5
+    )
+
+
+def limited(path):
+    """The reader's answer, with the memory that it took in bytes."""
+    tracemalloc.start()
+    try:
+        with pytest.raises(ScanError) as caught:
+            read_scan(path)
+        return str(caught.value), tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+PLY_HEADER = (
+    "ply\nformat {} 1.0\nelement vertex 5\nproperty double x\nproperty double y\nproperty double z\n"
+    "element face 1\nproperty list uint int vertex_indices\nend_header\n"
+)
+ENDLESS = " 1 2 3 4" * 250_000
+
+
+@pytest.mark.parametrize(
+    ("suffix", "data"),
+    [
+        ("obj", V + "f" + ENDLESS),
+        ("obj", V + "f 1 2 3\nv" + ENDLESS),
+        ("off", "OFF\n5 1 0\n" + ROWS + "1000000" + ENDLESS),
+        ("ply", PLY_HEADER.format("ascii") + ROWS + "1000000" + ENDLESS),
+        ("xyz", ENDLESS),
+        ("pcd", "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nDATA ascii\n" + ENDLESS),
+    ],
+)
+def test_endless_line(tmp_path, suffix, data):
+    path = write(tmp_path, data, f"mesh.{suffix}")
+    message, peak = limited(path)
+    assert "has a line of 200000" in message
+    assert peak < 10 * path.stat().st_size
+
+
+@pytest.mark.parametrize("suffix", ["obj", "ply"])
+def test_endless_face(tmp_path, suffix):
+    if suffix == "obj":
+        data = V + "f" + " 1 2 3 4" * 5000
+    else:
+        data = PLY_HEADER.format("binary_little_endian").encode() + VERTICES.tobytes()
+        data += struct.pack("<I20000i", 20_000, *[0, 1, 2, 3] * 5000)
+    message, _ = limited(write(tmp_path, data, f"mesh.{suffix}"))
+    assert "a face has 20000 corners" in message
+
+
+def test_polygon_of_many_corners(tmp_path, scanned):
+    angles = np.linspace(0, 2 * np.pi, 5000, endpoint=False)
+    rows = "".join(f"v {np.cos(angle):.9f} {np.sin(angle):.9f} 0\n" for angle in angles)
+    read_scan(
+        write(tmp_path, rows + "f " + " ".join(map(str, range(1, 5001))) + "\nf 1 2\nf 1 2 3\n", "mesh.obj")
+    )
+    fan = [[0, second, second + 1] for second in range(1, 4999)]
+    np.testing.assert_array_equal(scanned["faces"], [*fan, [0, 1, 2]])
+
+
+@pytest.mark.parametrize("kind", [ZeroDivisionError, IndexError])
+def test_a_hole_in_the_simulator_names_the_file(tmp_path, monkeypatch, kind):
+    def scan_mesh(*args, **options):
+        raise kind("nobody thought of it")
+
+    monkeypatch.setattr(sensor, "scan_mesh", scan_mesh)
+    with pytest.raises(ScanError, match=rf"mesh\.stl: .*{kind.__name__}: nobody thought of it") as caught:
+        read_scan(write(tmp_path, exported("stl"), "mesh.stl"))
+    assert isinstance(caught.value.__cause__, kind)
+
+
+def test_a_mesh_that_cannot_be_scanned_is_named_once(tmp_path):
+    path = write(tmp_path, exported("stl"), "mesh.stl")
+    large = trimesh.Trimesh(VERTICES * 1000, TRIANGLES, process=False).export(file_type="stl")
+    path.write_bytes(large)
+    with pytest.raises(ScanError) as caught:
+        read_scan(path)
+    assert str(caught.value).startswith(f"{path}: the mesh is ")

@@ -253,3 +253,9 @@ def test_structured_viewpoint(tmp_path):
     np.savez(tmp_path / "scan.npz", points=POINTS, viewpoint=np.zeros(3, dtype=[("x", "f4")]))
     with pytest.raises(ScanError, match="viewpoint must be 3 numbers"):
         read_scan(tmp_path / "scan.npz")
+
+
+def test_bytes_that_unpack_to_many_points(tmp_path):
+    np.savez_compressed(tmp_path / "a.npz", points=np.ones((3_000_000, 3), np.uint8))
+    with pytest.raises(ScanError, match=r"a\.npz: has 72000000 bytes of points in "):
+        read_scan(tmp_path / "a.npz")

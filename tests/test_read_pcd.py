@@ -345,3 +345,13 @@ def test_no_points_and_no_body(tmp_path, encoding, count):
     )
     with pytest.raises(ScanError, match=r"scan\.pcd: holds no points"):
         read_scan(write(tmp_path, header.encode()))
+
+
+@pytest.mark.parametrize("change", [str.upper, str.title, str.lower])
+@pytest.mark.parametrize("encoding", ["ascii", "binary"])
+def test_header_in_capitals_and_small_letters(tmp_path, change, encoding):
+    lines = ["SIZE 4 4 4", "TYPE F F F", "WIDTH 2", "HEIGHT 1", "POINTS 2", f"DATA {encoding}"]
+    body = b"1 2 3\n4 5 6\n" if encoding == "ascii" else np.arange(1, 7, dtype="<f4").tobytes()
+    header = "FIELDS x y z\n" + "".join(f"{change(line)}\n" for line in lines)
+    (tmp_path / "a.pcd").write_bytes(header.encode() + body)
+    np.testing.assert_array_equal(read_scan(tmp_path / "a.pcd").points, [[1, 2, 3], [4, 5, 6]])

@@ -138,3 +138,28 @@ def test_header_without_format(tmp_path):
 def test_nothing_finite(tmp_path, form):
     with pytest.raises(ScanError, match="finite"):
         read_scan(write(tmp_path, ply_bytes(XYZ, np.full((3, 5), np.inf), form)))
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian"])
+def test_axes_in_capitals(tmp_path, form):
+    header = (
+        f"ply\nformat {form} 1.0\nelement vertex 2\nproperty float Z\nproperty float X\nproperty float y\n"
+        "end_header\n"
+    )
+    body = b"3 1 2\n6 4 5\n" if form == "ascii" else np.array([3, 1, 2, 6, 4, 5], "<f4").tobytes()
+    (tmp_path / "a.ply").write_bytes(header.encode() + body)
+    np.testing.assert_array_equal(read_scan(tmp_path / "a.ply").points, [[1, 2, 3], [4, 5, 6]])
+
+
+def test_small_axes_come_before_capitals(tmp_path):
+    header = "ply\nformat ascii 1.0\nelement vertex 1\n" + "".join(
+        f"property float {name}\n" for name in "XYZxyz"
+    )
+    (tmp_path / "a.ply").write_text(header + "end_header\n7 8 9 1 2 3\n")
+    np.testing.assert_array_equal(read_scan(tmp_path / "a.ply").points, [[1, 2, 3]])
+
+
+def test_endless_header(tmp_path):
+    (tmp_path / "a.ply").write_text("ply\nformat ascii 1.0\n" + "element a 0\n" * 50_000 + "end_header\n")
+    with pytest.raises(ScanError, match=r"a\.ply: .*header does not end"):
+        read_scan(tmp_path / "a.ply")

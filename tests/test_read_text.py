@@ -99,3 +99,23 @@ def test_floats_survive_exactly(tmp_path_factory, rows, separator):
 def test_bad_text(tmp_path, text, message):
     with pytest.raises(ScanError, match=rf"scan\.xyz: .*{message}"):
         read(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a,b,c\n0.1,-0.2,1\n",
+        "x,y,height\n0.1,-0.2,1\n",
+        '"Red";"Green";"Blue"\n0.1;-0.2;1\n',
+        "nx ny nz\n0.1 -0.2 1\n",
+        "# by someone\nlongitude latitude\theight label\n0.1 -0.2 1 4\n",
+    ],
+)
+def test_columns_of_other_names_are_no_points(tmp_path, text):
+    with pytest.raises(ScanError, match=r"scan\.csv: has no columns x, y and z, only "):
+        read(tmp_path, text, "scan.csv")
+
+
+@pytest.mark.parametrize("title", ["X [m],Y [m],Z [m]", "x_m,y_m,z_m", "points of a mug", "mug"])
+def test_other_lines_above_a_table(tmp_path, title):
+    np.testing.assert_array_equal(read(tmp_path, f"{title}\n0.1,-0.2,1\n").points, [[0.1, -0.2, 1]])

@@ -365,3 +365,18 @@ def test_unused_vertices_do_not_matter():
     vertices = np.concatenate([BOX.vertices, [[np.nan] * 3, [1e9] * 3]])
     expected = scan_mesh(BOX.vertices, BOX.faces, distance=1.0)
     assert_array_equal(scan_mesh(vertices, BOX.faces, distance=1.0).points, expected.points)
+
+
+def test_faces_that_overlap_without_end_are_refused():
+    corners = np.array([[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 0.5, 0.0]])
+    faces = np.repeat([[0, 1, 2]], 40_000, axis=0)
+    options = {"view_direction": (0, 0, 1), "distance": 0.6, "name": "mug"}
+    assert len(scan_mesh(corners, faces[:10], **options)) > 0
+    with pytest.raises(ScanError, match=r"^mug: its 40000 faces cover "):
+        scan_mesh(corners, faces, **options)
+
+
+@pytest.mark.parametrize("random_state", ["a", -1, 0.5])
+def test_bad_random_state_is_named(random_state):
+    with pytest.raises(ScanError, match=f"^mug: random_state must be .*Generator.*, got {random_state!r}$"):
+        scan_mesh(np.eye(3), [[0, 1, 2]], random_state=random_state, name="mug")

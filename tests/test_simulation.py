@@ -74,12 +74,41 @@ def test_nothing_asked_for_gives_nothing():
 
 
 def test_bad_arguments_are_refused():
-    with pytest.raises(ValueError, match="n_per_category must be 0 or more, got -1"):
+    with pytest.raises(ValueError, match="n_per_category must be a whole number, 0 or more, got -1"):
         simulate(-1)
     with pytest.raises(ValueError, match="unknown category 'mug', expected some of sack, can"):
         simulate(1, categories=["mug"])
     with pytest.raises(ValueError, match="unknown category 'mug'"):
         simulate_scan("mug", 0)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"n_per_category": 1.5}, "n_per_category must be a whole number, 0 or more, got 1.5"),
+        ({"n_per_category": "3"}, "n_per_category must be a whole number, 0 or more, got '3'"),
+        ({"n_per_category": None}, "n_per_category must be a whole number, 0 or more, got None"),
+        ({"categories": "box"}, "categories must be a sequence of names, .* got 'box'"),
+        ({"categories": 3}, "categories must be a sequence of names, .* got 3"),
+        ({"categories": [["box"]]}, r"unknown category \['box'\], expected some of sack"),
+        ({"random_state": "a"}, "random_state must be a whole number, 0 or more, .*Generator.* got 'a'"),
+        ({"random_state": -1}, "random_state must be a whole number, 0 or more, .*Generator.* got -1"),
+        ({"random_state": 0.5}, "random_state must be a whole number, 0 or more, .*Generator.* got 0.5"),
+    ],
+)
+def test_bad_parameters_are_named(parameters, message):
+    with pytest.raises(ValueError, match=f"^(categories: )?{message}"):
+        simulate(**{"n_per_category": 1, "categories": ["ball"], **parameters})
+
+
+@pytest.mark.parametrize("parameters", [{"index": -1}, {"index": 0.5}, {"random_state": None}])
+def test_bad_parameters_of_one_scan_are_named(parameters):
+    with pytest.raises(ValueError, match=r"^(index|random_state) must be a whole number, 0 or more, got "):
+        simulate_scan("ball", **{"index": 0, **parameters})
+
+
+def test_categories_may_be_any_iterable():
+    assert [scan.label for scan in simulate(1, categories=(name for name in ["ball"]))] == ["ball"]
 
 
 @pytest.mark.parametrize("category", CATEGORIES)

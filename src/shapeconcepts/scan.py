@@ -5,11 +5,30 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 
 class ScanError(ValueError):
     """A scan that cannot be used; the message names the file or scan and the reason."""
+
+
+def whole_numbers(values: ArrayLike) -> NDArray[np.int64]:
+    """Point labels as int64; ScanError where one is not a whole number or does not fit."""
+    try:
+        labels = np.asarray(values)
+    except ValueError as error:  # rows of different lengths
+        raise ScanError(f"point_labels must be numbers ({error})") from None
+    if labels.dtype.kind == "f":
+        # 2^63 itself is a float64 but no int64.
+        whole = np.isfinite(labels) & (np.abs(labels) < 2.0**63)
+        whole[whole] = labels[whole] % 1 == 0
+        if not whole.all():
+            raise ScanError(f"point_labels must be whole numbers, got {labels[~whole].flat[0]}")
+    elif labels.dtype.kind not in "iub":
+        raise ScanError(f"point_labels must be numbers, got {labels.dtype}")
+    elif labels.dtype == np.uint64 and labels.size and labels.max() >= 2**63:
+        raise ScanError(f"point_labels must be less than 2**63, got {labels.max()}")
+    return labels.astype(np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,13 +45,13 @@ class Scan:
         Where the scan comes from, used in messages and reports.
     label : str, optional
         Category of the object, for evaluation only. Learning never looks at it.
-    point_labels : array-like of int of shape (n,), optional
+    point_labels : array-like of int, or of whole floats, of shape (n,), optional
         True surface part of each point, where the source holds it.
 
     Raises
     ------
     ScanError
-        If the shapes do not fit, or the viewpoint is not finite.
+        If the shapes do not fit, the viewpoint is not finite, or a point label is no whole number.
     """
 
     points: NDArray[np.float64]
@@ -54,7 +73,10 @@ class Scan:
                 )
             object.__setattr__(self, "viewpoint", viewpoint)
         if self.point_labels is not None:
-            point_labels = self._as_array("point_labels", self.point_labels, np.int64)
+            try:
+                point_labels = np.ascontiguousarray(whole_numbers(self.point_labels))
+            except ScanError as error:
+                raise ScanError(f"{self._title()}: {error}") from None
             if point_labels.shape != (len(points),):
                 raise ScanError(
                     f"{self._title()}: point_labels must have shape ({len(points)},), "

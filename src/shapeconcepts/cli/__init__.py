@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated
 
 import typer
@@ -9,6 +10,7 @@ import typer
 from shapeconcepts import __version__
 from shapeconcepts.cli.segment_command import segment
 from shapeconcepts.cli.simulate_command import simulate
+from shapeconcepts.cli.terminal import fail_for_output
 
 app = typer.Typer(
     name="shapeconcepts",
@@ -28,7 +30,8 @@ app.command(
         "Examples:\n\n"
         "shapeconcepts segment mug.pcd --image mug.png\n\n"
         "shapeconcepts segment scans/ --image sheet.png --n-jobs -1\n\n"
-        "shapeconcepts segment scans/ --json > segments.json"
+        "shapeconcepts segment scans/ --json > segments.json\n\n"
+        "shapeconcepts segment depth/ --mask masks/ --intrinsics 570.3,570.3,320,240"
     )
 )(segment)
 app.command(
@@ -57,4 +60,12 @@ def _shapeconcepts(
 
 def main() -> None:
     """Entry point of the `shapeconcepts` command."""
-    app()
+    try:
+        try:
+            app()
+        finally:
+            # Not later, when nobody can tell what went wrong. There is no stdout where it was closed.
+            if sys.stdout is not None:
+                sys.stdout.flush()
+    except OSError as error:
+        fail_for_output(error)

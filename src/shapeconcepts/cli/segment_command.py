@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from io import BytesIO
 from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
@@ -14,7 +15,7 @@ from shapeconcepts.cli.terminal import fail, print_table, progress, say
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-    from shapeconcepts.io.collection import ScanFile
+    from shapeconcepts.io.collection import ReadOptions, ScanFile
     from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 
@@ -57,6 +58,25 @@ def segment(
             show_default="auto",
         ),
     ] = None,
+    intrinsics: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FX,FY,CX,CY",
+            help="Of depth images: focal lengths and principal point in pixels.",
+            show_default="a Kinect's, for 640 x 480 pixels",
+        ),
+    ] = None,
+    depth_scale: Annotated[
+        float, typer.Option(metavar="METRES", help="Of depth images: metres per unit of depth.")
+    ] = 0.001,
+    mask: Annotated[
+        Path | None,
+        typer.Option(
+            exists=True,
+            help="Of depth images: an image that is not 0 where the object is, or a folder with one for each "
+            "depth image, of the same name.",
+        ),
+    ] = None,
     seed_size: Annotated[
         float,
         typer.Option(
@@ -89,12 +109,17 @@ def segment(
 
     if image is not None:
         _check_image_path(image)
+    reading = _read_options(intrinsics, depth_scale, mask)
     if n_jobs == 0:
         raise typer.BadParameter("must not be 0", param_hint="--n-jobs")
     try:
         files = find_scan_files(scans)
     except ScanError as error:
         fail(str(error))
+    if mask is not None and not any(file.path.suffix.lower() == ".png" for file in files):
+        raise typer.BadParameter(
+            f"is for depth images (.png), got {mask}, but there is none among the scans", param_hint="--mask"
+        )
 
     options = {
         "voxel_size": "auto" if voxel_size is None else voxel_size,
@@ -107,7 +132,7 @@ def segment(
     # Running jobs are not cancelled, which can hang joblib: no more are started, and those that run finish.
     wanted = takewhile(lambda file: not (strict and failed), files)
     jobs = Parallel(n_jobs=n_jobs, return_as="generator")(
-        delayed(_segment_file)(file, options, picture_size) for file in wanted
+        delayed(_segment_file)(file, reading, options, picture_size) for file in wanted
     )
     for result in progress(jobs, len(files), "Segmenting"):
         failed = failed or result.summary is None
@@ -117,29 +142,52 @@ def segment(
     skipped = [result for result in results if result.summary is None]
     if strict and skipped:
         fail(skipped[0].reason)
+    drawn = [result.picture for result in results if result.picture is not None]
+    saved = image is None or not drawn or _save_sheet(drawn, image)
     if as_json:
         reasons = [{"name": result.name, "reason": result.reason} for result in skipped]
         typer.echo(json.dumps({"scans": summaries, "skipped": reasons}, indent=2, allow_nan=False))
     elif summaries:
         titles = ("scan", "points", "voxels", "segments", "sizes", "neighbours")
         print_table(titles, [_row(summary) for summary in summaries])
-    if image is not None and summaries:
-        _save_sheet([result.picture for result in results if result.picture is not None], image)
     if skipped:
         say(f"Skipped {len(skipped)} of {len(files)} scans:")
         for result in skipped:
             say(f"  {result.reason}")
-    if not summaries:
+    if not summaries or not saved:
         raise typer.Exit(1)
 
 
-def _segment_file(file: ScanFile, options: dict[str, Any], picture_size: int | None) -> _Result:
+def _read_options(intrinsics: str | None, depth_scale: float, mask: Path | None) -> ReadOptions:
+    from shapeconcepts.io.depth_image import check_camera
+
+    camera = None
+    if intrinsics is not None:
+        try:
+            fx, fy, cx, cy = map(float, intrinsics.split(","))
+            camera = (fx, fy, cx, cy)
+            check_camera(camera, 1.0)
+        except ValueError:
+            raise typer.BadParameter(
+                f"must be 4 finite numbers FX,FY,CX,CY in pixels, FX and FY > 0, got {intrinsics!r}",
+                param_hint="--intrinsics",
+            ) from None
+    try:
+        check_camera(None, depth_scale)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--depth-scale") from None
+    return {"intrinsics": camera, "depth_scale": depth_scale, "mask": mask}
+
+
+def _segment_file(
+    file: ScanFile, reading: ReadOptions, options: dict[str, Any], picture_size: int | None
+) -> _Result:
     from shapeconcepts.io.collection import iter_scans
     from shapeconcepts.report import draw_segments
     from shapeconcepts.scan import ScanError
     from shapeconcepts.segmentation import segment as segment_scan
 
-    [scan] = iter_scans([file])
+    [scan] = iter_scans([file], **reading)
     if isinstance(scan, ScanError):
         return _Result(file.name, reason=str(scan))
     try:
@@ -214,11 +262,19 @@ def _check_image_path(image: Path) -> None:
         raise typer.BadParameter(f"the folder {image.parent} does not exist", param_hint="--image")
 
 
-def _save_sheet(pictures: list[Image], path: Path) -> None:
+def _save_sheet(pictures: list[Image], path: Path) -> bool:
+    """Whether the picture could be written; the user is told either way."""
+    from PIL import Image
+
+    from shapeconcepts.io.atomic_write import write_atomically
     from shapeconcepts.report import contact_sheet
 
+    content = BytesIO()
     try:
-        contact_sheet(pictures).save(path)
-    except OSError as error:
-        fail(f"cannot write {path}: {error.strerror or error}")
+        contact_sheet(pictures).save(content, Image.registered_extensions()[path.suffix.lower()])
+        write_atomically(path, content.getvalue())
+    except (OSError, ValueError) as error:  # some formats hold no picture of this size or kind
+        say(f"Error: cannot write {path}: {getattr(error, 'strerror', None) or error}")
+        return False
     say(f"Wrote {path}")
+    return True

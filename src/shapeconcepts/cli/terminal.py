@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import sys
 from collections.abc import Iterable, Iterator, Sequence
-from typing import NoReturn, TypeVar
+from typing import NoReturn, TextIO, TypeVar
 
 import typer
 
@@ -20,6 +22,27 @@ def fail(message: str) -> NoReturn:
     """End with exit code 1 and a message."""
     say(f"Error: {message}")
     raise typer.Exit(1)
+
+
+def fail_for_output(error: OSError) -> NoReturn:
+    """End with exit code 1 as the output cannot be written; quietly where its reader has seen enough."""
+    # What is still in the buffer cannot be written at the exit either.
+    _forget(sys.stdout)
+    if error.errno != errno.EPIPE:
+        place = "cannot write the output" if error.filename is None else error.filename
+        try:
+            say(f"Error: {place}: {error.strerror or error}")
+        except OSError:
+            _forget(sys.stderr)
+    sys.exit(1)
+
+
+def _forget(stream: TextIO | None) -> None:
+    if stream is None:
+        return
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
 
 
 def progress(items: Iterable[T], total: int, description: str) -> Iterator[T]:

@@ -9,12 +9,15 @@ from numpy.typing import NDArray
 
 from shapeconcepts.datasets.sensor_kernels import NOTHING, rasterise
 from shapeconcepts.datasets.sensor_model import SensorModel
+from shapeconcepts.scan import ScanError
 
 OCCLUDER = -2
 
 # Noise reaches a few pixels beyond the outline of the object.
 _MARGIN = 4
 _NEAREST_OCCLUDER = 0.1
+# About two seconds. Thousands of long slivers stay below; a face that is repeated a thousand times does not.
+_MOST_WORK = 2**29
 
 
 class DepthImage(NamedTuple):
@@ -37,15 +40,31 @@ class DepthImage(NamedTuple):
 
 
 def render(vertices: NDArray[np.float64], faces: NDArray[np.int64], sensor: SensorModel) -> DepthImage:
-    """Exact depth image around a mesh whose vertices (v, 3) are in the camera frame."""
+    """Exact depth image around a mesh whose vertices (v, 3) are in the camera frame.
+
+    ScanError if its triangles overlap without end.
+    """
     projected = _projected(vertices, sensor)
     size = np.array([sensor.width, sensor.height])
     low = np.floor(projected[:, :2].min(axis=0)).astype(int) - _MARGIN
     high = np.ceil(projected[:, :2].max(axis=0)).astype(int) + _MARGIN + 1
     low, high = np.clip(low, 0, size), np.clip(high, 0, size)
     projected[:, :2] -= low
+    _check_work(projected[:, :2], faces, high - low)
     triangles, inverse_depth = rasterise(projected, faces, int(high[1] - low[1]), int(high[0] - low[0]))
     return DepthImage(triangles, inverse_depth, int(low[0]), int(low[1]))
+
+
+def _check_work(projected: NDArray[np.float64], faces: NDArray[np.int64], size: NDArray[np.int64]) -> None:
+    """Raise ScanError where the triangles cover the image (columns, rows) so often that it is no surface."""
+    first, second, third = (np.clip(projected[faces[:, corner]], 0, size) for corner in range(3))
+    low = np.minimum(np.minimum(first, second), third)
+    high = np.maximum(np.maximum(first, second), third)
+    n_pixels = np.prod(high - low, axis=1).sum()
+    if n_pixels > _MOST_WORK:
+        raise ScanError(
+            f"its {len(faces)} faces cover {n_pixels:.3g} pixels in sum, expected {_MOST_WORK:.3g} or less"
+        )
 
 
 def _projected(points: NDArray[np.float64], sensor: SensorModel) -> NDArray[np.float64]:

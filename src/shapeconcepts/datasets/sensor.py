@@ -75,7 +75,13 @@ def scan_mesh(
         If the mesh cannot be scanned, an argument is out of range, or nothing is visible.
     """
     title = name or "mesh"
-    rng = np.random.default_rng(random_state)
+    try:
+        rng = np.random.default_rng(random_state)
+    except (TypeError, ValueError):
+        raise ScanError(
+            f"{title}: random_state must be a whole number, 0 or more, a numpy.random.Generator or None, "
+            f"got {random_state!r}"
+        ) from None
     vertices, faces = _checked_mesh(title, vertices, faces)
     labels = None if face_labels is None else _checked_labels(title, face_labels, len(faces))
     if not 0.0 <= occlusion <= 0.9:
@@ -94,7 +100,10 @@ def scan_mesh(
             f"{title}: at distance {distance:g} m, the mesh comes within {_NEAREST_VERTEX} m of the sensor"
         )
 
-    image = render(vertices, faces, sensor)
+    try:
+        image = render(vertices, faces, sensor)
+    except ScanError as error:
+        raise ScanError(f"{title}: {error}") from None
     if occlusion > 0.0:
         put_in_front(image, occlusion, rng)
     if noise:

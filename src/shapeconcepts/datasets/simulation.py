@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -47,10 +47,9 @@ def simulate(
     Raises
     ------
     ValueError
-        If a category is unknown or `n_per_category` is negative.
+        If a parameter is not as described; the message names it and its value.
     """
-    if n_per_category < 0:
-        raise ValueError(f"n_per_category must be 0 or more, got {n_per_category}")
+    _check_count("n_per_category", n_per_category)
     categories = CATEGORIES if categories is None else _checked(categories)
     seed = _seed(random_state)
     return [
@@ -75,8 +74,15 @@ def simulate_scan(category: str, index: int, *, random_state: int = 0) -> Scan:
     Returns
     -------
     Scan
+
+    Raises
+    ------
+    ValueError
+        If a parameter is not as described; the message names it and its value.
     """
     [category] = _checked([category])
+    _check_count("index", index)
+    _check_count("random_state", random_state)
     seed = np.random.SeedSequence(random_state, spawn_key=(CATEGORIES.index(category), index))
     rng = np.random.default_rng(seed)
     mesh = SHAPES[category](rng)
@@ -95,14 +101,36 @@ def simulate_scan(category: str, index: int, *, random_state: int = 0) -> Scan:
     raise ScanError(f"{category}_{index}: fewer than {_FEWEST_POINTS} points in each of {_MOST_VIEWS} views")
 
 
+def _is_count(value: object) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool) and int(value) >= 0
+
+
+def _check_count(parameter: str, value: object) -> None:
+    if not _is_count(value):
+        raise ValueError(f"{parameter} must be a whole number, 0 or more, got {value!r}")
+
+
 def _checked(categories: Sequence[str]) -> tuple[str, ...]:
-    for category in categories:
-        if category not in CATEGORIES:
-            raise ValueError(f"unknown category {category!r}, expected some of {', '.join(CATEGORIES)}")
-    return tuple(categories)
+    # A string is a sequence of strings too.
+    if isinstance(categories, str) or not isinstance(categories, Iterable):
+        raise ValueError(
+            f"categories must be a sequence of names, such as ['box', 'can'], got {categories!r}"
+        )
+    names = tuple(categories)
+    for name in names:
+        if not isinstance(name, str) or name not in CATEGORIES:
+            raise ValueError(
+                f"categories: unknown category {name!r}, expected some of {', '.join(CATEGORIES)}"
+            )
+    return names
 
 
 def _seed(random_state: int | np.random.Generator | None) -> int:
-    if isinstance(random_state, int | np.integer):
-        return int(random_state)
-    return int(np.random.default_rng(random_state).integers(2**63))
+    if random_state is None or isinstance(random_state, np.random.Generator):
+        return int(np.random.default_rng(random_state).integers(2**63))
+    if not _is_count(random_state):
+        raise ValueError(
+            "random_state must be a whole number, 0 or more, a numpy.random.Generator or None, "
+            f"got {random_state!r}"
+        )
+    return int(random_state)

@@ -1,4 +1,4 @@
-"""What the reader of one format hands back, and the numbers that the formats share."""
+"""What the reader of one format hands back, and how the formats share text."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from shapeconcepts.scan import ScanError
 
 LABEL_NAMES = ("label", "labels")
+# Splitting a line takes 30 times its size.
+LONGEST_LINE = 2**20
 
 
 class Cloud(NamedTuple):
@@ -21,20 +23,6 @@ class Cloud(NamedTuple):
     point_labels: NDArray[np.int64] | None = None
 
 
-def whole_numbers(values: ArrayLike) -> NDArray[np.int64]:
-    """Labels as int64; ScanError where one is not a whole number or does not fit."""
-    labels = np.asarray(values)
-    if labels.dtype.kind == "f":
-        # 2^63 itself is a float64 but no int64.
-        if not (np.isfinite(labels).all() and (np.abs(labels) < 2.0**63).all() and (labels % 1 == 0).all()):
-            raise ScanError("a point label is not a whole number")
-    elif labels.dtype.kind not in "iub":
-        raise ScanError(f"point labels must be numbers, got {labels.dtype}")
-    elif labels.dtype == np.uint64 and labels.size and labels.max() >= 2**63:
-        raise ScanError("a point label is too large")
-    return labels.astype(np.int64)
-
-
 def decoded_lines(data: bytes) -> list[str]:
     """Lines of a text file; ScanError where the bytes are no text."""
     try:
@@ -43,7 +31,16 @@ def decoded_lines(data: bytes) -> list[str]:
         raise ScanError(f"is not text (byte {error.start})") from None
     if "\0" in text:
         raise ScanError(f"is not text (byte {data.index(0)})")
-    return text.splitlines()
+    return checked_lines(text)
+
+
+def checked_lines(text: str) -> list[str]:
+    """Lines of a text; ScanError where one is too long for a point or a face."""
+    lines = text.splitlines()
+    longest = max(map(len, lines), default=0)
+    if longest > LONGEST_LINE:
+        raise ScanError(f"has a line of {longest} characters, at most {LONGEST_LINE} are supported")
+    return lines
 
 
 def number_table(

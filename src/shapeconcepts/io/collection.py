@@ -11,7 +11,7 @@ from os import PathLike
 from pathlib import Path
 from typing import NamedTuple, TypedDict, Unpack
 
-from shapeconcepts.io.depth_image import Intrinsics
+from shapeconcepts.io.depth_image import Intrinsics, Mask
 from shapeconcepts.io.reader import SCAN_SUFFIXES, Viewpoint, read_scan
 from shapeconcepts.scan import Scan, ScanError
 
@@ -23,19 +23,21 @@ class ScanWarning(UserWarning):
 
 
 class ReadOptions(TypedDict, total=False):
-    """Parameters of `read_scan` that hold for all files."""
+    """Parameters of `read_scan` that hold for all files; `mask` may be a folder."""
 
     viewpoint: Viewpoint
     intrinsics: Intrinsics | None
+    mask: Mask | None
     depth_scale: float
 
 
 class ScanFile(NamedTuple):
-    """A file to read, and the name and label that its scan gets."""
+    """A file to read, the name and label that its scan gets, and its path inside the folder given."""
 
     path: Path
     name: str
     label: str | None
+    inside: Path
 
 
 class ScanList(list[Scan]):
@@ -76,7 +78,7 @@ def find_scan_files(source: Source) -> list[ScanFile]:
         raise ScanError("no file or folder to read scans from is given")
     files: list[ScanFile] = []
     for path in map(Path, paths):
-        files += _files_below(path) if path.is_dir() else [ScanFile(path, str(path), None)]
+        files += _files_below(path) if path.is_dir() else [ScanFile(path, str(path), None, Path(path.name))]
     return files
 
 
@@ -88,7 +90,9 @@ def iter_scans(files: Iterable[ScanFile], **options: Unpack[ReadOptions]) -> Ite
     files : iterable of ScanFile
         As `find_scan_files` lists them.
     **options
-        `viewpoint`, `intrinsics` and `depth_scale` of `read_scan`.
+        `viewpoint`, `intrinsics`, `mask` and `depth_scale` of `read_scan`. Of depth images, several may share
+        one mask, or `mask` is a folder that holds a mask of the same name (and sub-folder) for each. Other
+        scans have none.
 
     Yields
     ------
@@ -97,7 +101,8 @@ def iter_scans(files: Iterable[ScanFile], **options: Unpack[ReadOptions]) -> Ite
     """
     for file in files:
         try:
-            yield replace(read_scan(file.path, **options), name=file.name, label=file.label)
+            own_options: ReadOptions = {**options, "mask": _mask(file, options.get("mask"))}
+            yield replace(read_scan(file.path, **own_options), name=file.name, label=file.label)
         except ScanError as error:
             yield error
 
@@ -113,7 +118,7 @@ def read_scans(source: Source, *, strict: bool = False, **options: Unpack[ReadOp
         Raise at the first file that cannot be read. By default such files are left out, listed in
         `ScanList.skipped`, and one ScanWarning tells so.
     **options
-        `viewpoint`, `intrinsics` and `depth_scale` of `read_scan`.
+        `viewpoint`, `intrinsics`, `mask` and `depth_scale` of `read_scan`, see `iter_scans`.
 
     Returns
     -------
@@ -148,11 +153,21 @@ def read_scans(source: Source, *, strict: bool = False, **options: Unpack[ReadOp
     return scans
 
 
+def _mask(file: ScanFile, mask: Mask | None) -> Mask | None:
+    """The mask of one of several files."""
+    if file.path.suffix.lower() != ".png":
+        return None
+    if isinstance(mask, str | PathLike) and Path(mask).is_dir():
+        return Path(mask) / file.inside
+    return mask
+
+
 def _files_below(folder: Path) -> list[ScanFile]:
     files = []
     for path in sorted(_walk(folder), key=lambda path: _natural_order(path.relative_to(folder))):
         inside = path.relative_to(folder)
-        files.append(ScanFile(path, inside.as_posix(), inside.parts[0] if len(inside.parts) > 1 else None))
+        label = inside.parts[0] if len(inside.parts) > 1 else None
+        files.append(ScanFile(path, inside.as_posix(), label, inside))
     if not files:
         raise ScanError(f"{folder}: holds no scans, that is no files {' '.join(SCAN_SUFFIXES)}")
     return files

@@ -17,7 +17,7 @@ from shapeconcepts.scan import ScanError
 KINECT_INTRINSICS = (525.0, 525.0, 319.5, 239.5)
 KINECT_SIZE = (640, 480)
 # More pixels than any depth camera has.
-MOST_PIXELS = 2**24
+MOST_PIXELS = 2**23
 
 Intrinsics = tuple[float, float, float, float]
 Mask = ArrayLike | str | PathLike[str]
@@ -48,8 +48,8 @@ def read_depth_image(
         if (width, height) != KINECT_SIZE:
             raise ScanError(f"is {width} x {height} pixels; intrinsics are needed for all but 640 x 480")
         intrinsics = KINECT_INTRINSICS
-    depth = _pixels(BytesIO(data)).astype(np.float64) * depth_scale
-    measured = depth > 0.0
+    depth = _pixels(BytesIO(data))
+    measured = depth > 0
     if mask is not None:
         measured &= _mask(mask, (height, width))
     rows, columns = np.nonzero(measured)
@@ -58,7 +58,7 @@ def read_depth_image(
             "has no pixel with a depth" if mask is None else "has no pixel with a depth in its mask"
         )
     fx, fy, cx, cy = intrinsics
-    z = depth[rows, columns]
+    z = depth[rows, columns] * depth_scale
     return Cloud(np.column_stack([(columns - cx) / fx * z, (rows - cy) / fy * z, z]), np.zeros(3))
 
 
@@ -98,6 +98,10 @@ def _mask(mask: Mask, shape: tuple[int, int]) -> NDArray[np.bool_]:
             raise ScanError(f"the mask {Path(mask)} {error}") from None
     else:
         values = np.asarray(mask)
+    if values.ndim == 3 and 1 <= values.shape[2] <= 4:
+        # Of two or four channels, the last one is the opacity.
+        colours = values[:, :, : 1 if values.shape[2] <= 2 else 3]
+        values = (colours != 0).any(axis=2)
     if values.shape != shape:
-        raise ScanError(f"the mask must be one channel of shape {shape}, got {values.shape}")
+        raise ScanError(f"the mask must be an image of shape {shape}, got {values.shape}")
     return values != 0

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import pairwise
+from array import array
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.scan import ScanError
+
+# The end of a finely cut cylinder has a few hundred, an outline cut out of a sheet a few thousand.
+MOST_CORNERS = 2**14
 
 
 class Mesh(NamedTuple):
@@ -19,10 +22,33 @@ class Mesh(NamedTuple):
     faces: NDArray[np.int64]
 
 
-def triangles(polygons: Sequence[Sequence[int]]) -> NDArray[np.int64]:
-    """Each polygon as a fan of triangles around its first corner."""
-    fans = [(polygon[0], second, third) for polygon in polygons for second, third in pairwise(polygon[1:])]
-    try:
-        return np.array(fans, dtype=np.int64).reshape(-1, 3)
-    except OverflowError:
-        raise ScanError("a face has an index that is no 64 bit number") from None
+class Polygons:
+    """Faces with any number of corners, kept as plain 64 bit numbers: lists take ten times as much."""
+
+    def __init__(self) -> None:
+        self._corners = array("q")
+        self._sizes = array("q")
+
+    def append(self, corners: Iterable[int]) -> None:
+        """Add a face; ScanError where an index cannot be one or there are more corners than any mesh has."""
+        before = len(self._corners)
+        try:
+            self._corners.extend(corners)
+        except OverflowError:
+            raise ScanError("a face has an index that is no 64 bit number") from None
+        size = len(self._corners) - before
+        if size > MOST_CORNERS:
+            raise ScanError(f"a face has {size} corners, at most {MOST_CORNERS} are supported")
+        self._sizes.append(size)
+
+    def __len__(self) -> int:
+        return len(self._sizes)
+
+    def triangles(self) -> NDArray[np.int64]:
+        """Each face as a fan of triangles around its first corner."""
+        corners, sizes = np.frombuffer(self._corners, np.int64), np.frombuffer(self._sizes, np.int64)
+        n_triangles = np.maximum(sizes - 2, 0)
+        first = np.repeat(np.cumsum(sizes) - sizes, n_triangles)
+        within = np.arange(n_triangles.sum()) - np.repeat(np.cumsum(n_triangles) - n_triangles, n_triangles)
+        second = first + within + 1
+        return np.column_stack([corners[first], corners[second], corners[second + 1]])

@@ -20,16 +20,19 @@ from shapeconcepts.scan import ScanError
 
 def read_stl(data: bytes) -> Mesh:
     """Mesh from a binary or ASCII STL file; ScanError says what is wrong with it."""
-    if len(data) >= 84 and len(data) == 84 + 50 * int.from_bytes(data[80:84], "little"):
-        return _load(data, "stl", int.from_bytes(data[80:84], "little"))
+    n_faces = int.from_bytes(data[80:84], "little")
+    end = 84 + 50 * n_faces
+    # Text there reads as a number that no file is long enough for. Some programs write more after the faces.
+    if n_faces and end <= len(data):
+        return _load(data[:end], "stl", n_faces)
     if not re.match(rb"\s*solid\b", data, re.I):
         raise ScanError("is not an STL file, or truncated")
     if not re.search(rb"^\s*endsolid\b[^\n]*\s*\Z", data[-1000:], re.M | re.I):
         raise ScanError("is truncated: an ASCII STL file ends with endsolid")
     # One nameless solid: every solid costs a mesh of its own, and names may hold keywords and any encoding.
     facets = re.sub(rb"^[ \t]*(?:end)?solid\b[^\n]*$", b"", data, flags=re.M | re.I)
-    n_faces = len(re.findall(rb"^[ \t]*facet\b", facets, re.M | re.I))
-    return _load(b"solid\n" + facets + b"\nendsolid\n", "stl", n_faces)
+    n_facets = len(re.findall(rb"^[ \t]*facet\b", facets, re.M | re.I))
+    return _load(b"solid\n" + facets + b"\nendsolid\n", "stl", n_facets)
 
 
 def read_glb(data: bytes) -> Mesh:
@@ -62,13 +65,14 @@ def _load(data: bytes, file_type: str, n_faces: int) -> Mesh:
 def _silent_trimesh() -> Iterator[None]:
     """What is wrong with a file is told once, by the ScanError."""
 
+    from trimesh.util import log
+
     def drop(record: logging.LogRecord) -> bool:
         return False
 
     # A filter of its own for each call, unlike a saved level, leaves nothing behind when threads overlap.
-    logger = logging.getLogger("trimesh")
-    logger.addFilter(drop)
+    log.addFilter(drop)
     try:
         yield
     finally:
-        logger.removeFilter(drop)
+        log.removeFilter(drop)

@@ -6,29 +6,30 @@ file and not from the face, and accepts an OFF face with fewer corners than it a
 
 from __future__ import annotations
 
-from shapeconcepts.io.cloud import number_table
-from shapeconcepts.io.mesh import Mesh, triangles
+from shapeconcepts.io.cloud import checked_lines, number_table
+from shapeconcepts.io.mesh import Mesh, Polygons
 from shapeconcepts.scan import ScanError
 
 
 def read_obj(data: bytes) -> Mesh:
     """Mesh of all objects in an OBJ file; ScanError says what is wrong with it. Materials are ignored."""
     vertices: list[str] = []
-    polygons: list[list[int]] = []
+    polygons = Polygons()
     # Names and comments may be in any encoding.
     text = data.decode("utf-8", "replace").replace("\\\r\n", " ").replace("\\\n", " ")
-    for line in text.splitlines():
+    for line in checked_lines(text):
         keyword, *words = line.split() or [""]
         if keyword == "v":
             vertices.append(" ".join(words))
         elif keyword == "f":
             try:
-                polygons.append([_obj_index(word, len(vertices)) for word in words])
+                corners = [_obj_index(word, len(vertices)) for word in words]
             except ValueError:
                 raise ScanError(f"has the face {line[:60]!r}, which cannot be read") from None
+            polygons.append(corners)
     if not polygons:
         raise ScanError("is not an OBJ mesh: it has no faces")
-    return Mesh(number_table(vertices, (0, 1, 2)), triangles(polygons))
+    return Mesh(number_table(vertices, (0, 1, 2)), polygons.triangles())
 
 
 def _obj_index(word: str, n_vertices: int) -> int:
@@ -42,7 +43,8 @@ def _obj_index(word: str, n_vertices: int) -> int:
 
 def read_off(data: bytes) -> Mesh:
     """Mesh from an OFF file; ScanError says what is wrong with it."""
-    lines = [line.partition("#")[0].strip() for line in data.decode("utf-8", "replace").splitlines()]
+    text = data.decode("utf-8", "replace")
+    lines = [line.partition("#")[0].strip() for line in checked_lines(text)]
     lines = [line for line in lines if line]
     keyword, *counts = lines[0].split() if lines else [""]
     if not keyword.endswith("OFF"):
@@ -62,8 +64,10 @@ def read_off(data: bytes) -> Mesh:
             f"it has {len(lines) - body} lines"
         )
     faces = lines[body + n_vertices : body + n_vertices + n_faces]
-    polygons = [_off_polygon(line) for line in faces]
-    return Mesh(number_table(lines[body : body + n_vertices], (0, 1, 2)), triangles(polygons))
+    polygons = Polygons()
+    for line in faces:
+        polygons.append(_off_polygon(line))
+    return Mesh(number_table(lines[body : body + n_vertices], (0, 1, 2)), polygons.triangles())
 
 
 def _off_polygon(line: str) -> list[int]:

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
-from shapeconcepts.io.cloud import LABEL_NAMES, Cloud, whole_numbers
+from shapeconcepts.io.cloud import LABEL_NAMES, Cloud
 from shapeconcepts.io.viewpoint import camera_frame_viewpoint, declared_viewpoint
-from shapeconcepts.scan import ScanError
+from shapeconcepts.scan import ScanError, whole_numbers
 
 # Point clouds hardly shrink below a tenth; an archive that unpacks to much more is made to fill the memory.
 LARGEST_GROWTH = 100
@@ -46,6 +46,10 @@ def read_npz(data: bytes) -> Cloud:
         arrays["points"] = _array(_member(archive, names[0]))
     if "points" not in arrays:
         raise ScanError(f"has no array points, only {', '.join(names[:10]) or 'nothing'}")
+    # Bytes become numbers of eight bytes each.
+    n_bytes = 8 * arrays["points"].size
+    if n_bytes > max(LARGEST_GROWTH * len(data), SMALL_ENOUGH):
+        raise ScanError(f"has {n_bytes} bytes of points in {len(data)} bytes of file")
     points = _points(arrays["points"])
     if "viewpoint" in arrays:
         position = arrays["viewpoint"]

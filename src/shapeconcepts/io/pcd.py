@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.io.cloud import LABEL_NAMES, Cloud, decoded_lines, number_table, whole_numbers
+from shapeconcepts.io.cloud import LABEL_NAMES, Cloud, decoded_lines, number_table
 from shapeconcepts.io.viewpoint import camera_frame_viewpoint, declared_viewpoint
-from shapeconcepts.scan import ScanError
+from shapeconcepts.scan import ScanError, whole_numbers
 
 FORMATS = {
     f"{kind}{size}": np.dtype(f"<{code}{size}")
@@ -83,6 +83,7 @@ def _read_header(data: bytes) -> tuple[_Header, int]:
         position = end + 1
         if line and not line.startswith(b"#"):
             key, *values = (word.decode("ascii") for word in line.split())
+            key = key.upper()
             entries["FIELDS" if key == "COLUMNS" else key] = values
     return _checked_header(entries), position
 
@@ -101,9 +102,9 @@ def _checked_header(entries: dict[str, list[str]]) -> _Header:
     fields: dict[str, _Field] = {}
     column = offset = 0
     for name, kind, size, count_text in zip(names, entries["TYPE"], entries["SIZE"], counts, strict=True):
-        if kind + size not in FORMATS:
+        if kind.upper() + size not in FORMATS:
             raise ScanError(f"the field {name} has the unknown TYPE {kind} with SIZE {size}")
-        dtype, count = FORMATS[kind + size], _number("COUNT", count_text)
+        dtype, count = FORMATS[kind.upper() + size], _number("COUNT", count_text)
         if count < 1:
             raise ScanError(f"the field {name} has COUNT {count}, expected 1 or more")
         # PCL calls every piece of padding "_".
@@ -113,7 +114,7 @@ def _checked_header(entries: dict[str, list[str]]) -> _Header:
         column += count
         offset += count * dtype.itemsize
 
-    encoding = " ".join(entries["DATA"])
+    encoding = " ".join(entries["DATA"]).lower()
     if encoding not in ENCODINGS:
         raise ScanError(f"DATA must be one of {', '.join(ENCODINGS)}, got {encoding!r}")
     viewpoint = _viewpoint(entries.get("VIEWPOINT", ["0", "0", "0"]))

@@ -5,15 +5,16 @@ http://paulbourke.net/dataformats/ply/
 
 from __future__ import annotations
 
+import struct
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.io.cloud import LABEL_NAMES, Cloud, decoded_lines, number_table, whole_numbers
-from shapeconcepts.io.mesh import Mesh, triangles
+from shapeconcepts.io.cloud import LABEL_NAMES, Cloud, decoded_lines, number_table
+from shapeconcepts.io.mesh import Mesh, Polygons
 from shapeconcepts.io.viewpoint import camera_frame_viewpoint
-from shapeconcepts.scan import ScanError
+from shapeconcepts.scan import ScanError, whole_numbers
 
 TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
@@ -21,6 +22,7 @@ TYPES = {
     "double": "f8", "float64": "f8",
 }  # fmt: skip
 BYTE_ORDERS = {"ascii": "=", "binary_little_endian": "<", "binary_big_endian": ">"}
+LONGEST_HEADER = 2**18
 FACE_NAMES = ("vertex_indices", "vertex_index")
 
 
@@ -71,7 +73,7 @@ def read_ply(data: bytes) -> Cloud | Mesh:
         faces = None if face is None else _ascii_faces(lines, face)
     else:
         columns, offset = _binary_vertices(data, body, elements, vertex)
-        faces = None if face is None else _binary_faces(data, offset, face)
+        faces = None if face is None else _binary_faces(data, offset, face, byte_order)
     points = np.column_stack([columns[axis].astype(np.float64) for axis in "xyz"])
     if faces is not None:
         return Mesh(points, faces)
@@ -96,7 +98,7 @@ def _read_header(data: bytes) -> tuple[list[_Element], str, int]:
     """Elements, byte order, and where the data begins."""
     if not data.startswith(b"ply"):
         raise ScanError("is not a PLY file")
-    end = data.find(b"end_header")
+    end = data.find(b"end_header", 0, LONGEST_HEADER)
     body = data.find(b"\n", end) + 1
     if end < 0 or body == 0:
         raise ScanError("is not a PLY file: its header does not end")
@@ -123,7 +125,18 @@ def _read_header(data: bytes) -> tuple[list[_Element], str, int]:
     for element in elements:
         if len(set(element.names)) < len(element.names):
             raise ScanError(f"the element {element.name} names a property twice")
-    return elements, byte_order, body
+    return [_with_small_axes(element) for element in elements], byte_order, body
+
+
+def _with_small_axes(element: _Element) -> _Element:
+    """Some programs write X, Y and Z."""
+    capitals = {axis.upper() for axis in "xyz" if axis not in element.names}
+    return element._replace(
+        properties=[
+            field._replace(name=field.name.lower()) if field.name in capitals else field
+            for field in element.properties
+        ]
+    )
 
 
 def _dtype(kind: str, byte_order: str | None) -> np.dtype:
@@ -181,8 +194,9 @@ def _ascii_vertices(
 def _ascii_faces(lines: list[str], face: _Element) -> NDArray[np.int64]:
     if face.n_rows > len(lines):
         raise _truncated(face)
-    polygons = []
-    for line in lines[: face.n_rows]:
+    lines = lines[: face.n_rows]
+    polygons = Polygons()
+    for line in lines:
         values = line.split()
         try:
             for field in face.properties:
@@ -190,32 +204,36 @@ def _ascii_faces(lines: list[str], face: _Element) -> NDArray[np.int64]:
                 if not 0 <= length <= len(values):
                     raise ValueError
                 if field.name in FACE_NAMES:
-                    polygons.append([int(value) for value in values[:length]])
+                    corners = [int(value) for value in values[:length]]
                 values = values[length:]
         except (ValueError, IndexError):
             raise ScanError(f"has the face {line[:60]!r}, which does not fit the header") from None
-    return triangles(polygons)
+        polygons.append(corners)
+    return polygons.triangles()
 
 
-def _binary_faces(data: bytes, offset: int, face: _Element) -> NDArray[np.int64]:
+def _binary_faces(data: bytes, offset: int, face: _Element, byte_order: str) -> NDArray[np.int64]:
     # Every face takes a byte at least: this bounds the loop.
     if face.n_rows > len(data) - offset:
         raise _truncated(face)
-    polygons = []
+    polygons = Polygons()
     try:
         for _ in range(face.n_rows):
             for field in face.properties:
                 length = 1
                 if field.length_dtype is not None:
-                    length = int(np.frombuffer(data, field.length_dtype, 1, offset)[0])
+                    length = int(struct.unpack_from(byte_order + field.length_dtype.char, data, offset)[0])
                     offset += field.length_dtype.itemsize
                     if length < 0:
                         raise ValueError
                 if field.name in FACE_NAMES:
-                    polygons.append(np.frombuffer(data, field.dtype, length, offset).tolist())
+                    corners = struct.unpack_from(f"{byte_order}{length}{field.dtype.char}", data, offset)
                 elif length * field.dtype.itemsize > len(data) - offset:
                     raise ValueError
                 offset += length * field.dtype.itemsize
-    except ValueError:
+            polygons.append(corners)
+    except ScanError:
+        raise
+    except (ValueError, struct.error):
         raise _truncated(face) from None
-    return triangles(polygons)
+    return polygons.triangles()

@@ -78,8 +78,9 @@ def read_scan(
     intrinsics : (fx, fy, cx, cy), optional
         Of a depth image: focal lengths and principal point in pixels. A Kinect's (525, 525, 319.5, 239.5) for
         640 x 480 pixels, needed for any other size.
-    mask : path or (height, width) array-like, optional
-        Of a depth image: an image with one channel, not 0 where the object is.
+    mask : path or (height, width) or (height, width, channels) array-like, optional
+        Of a depth image: an image of its size, where the object is not 0 (in any colour channel; opacity does
+        not count).
     depth_scale : float
         Of a depth image: metres per unit, by default 0.001 (millimetres).
 
@@ -107,9 +108,20 @@ def read_scan(
     data = _content(path, suffix)
     try:
         if suffix == ".png":
-            content: Cloud | Mesh = read_depth_image(data, intrinsics, mask, depth_scale)
+            scan = _scan(path, lambda: read_depth_image(data, intrinsics, mask, depth_scale))
         else:
-            content = _READERS[suffix](data)
+            scan = _scan(path, lambda: _READERS[suffix](data))
+    except (ScanError, MemoryError):
+        raise
+    except Exception as error:
+        # What no reader foresaw in a file must not end the reading of a thousand others.
+        raise ScanError(f"{path}: cannot be read ({type(error).__name__}: {error})") from error
+    return scan if isinstance(viewpoint, str) else replace(scan, viewpoint=position)
+
+
+def _scan(path: Path, read: Callable[[], Cloud | Mesh]) -> Scan:
+    try:
+        content = read()
         if isinstance(content, Cloud):
             if len(content.points) == 0:
                 raise ScanError("holds no points")
@@ -117,19 +129,12 @@ def read_scan(
                 raise ScanError("holds no point with finite x, y and z")
     except ScanError as error:
         raise ScanError(f"{path}: {error}") from None
-    except MemoryError:
-        raise
-    except Exception as error:
-        # What no reader foresaw in a file must not end the reading of a thousand others.
-        raise ScanError(f"{path}: cannot be read ({type(error).__name__}: {error})") from error
+    if isinstance(content, Cloud):
+        return Scan(content.points, content.viewpoint, str(path), None, content.point_labels)
 
-    if isinstance(content, Mesh):
-        from shapeconcepts.datasets.sensor import scan_mesh
+    from shapeconcepts.datasets.sensor import scan_mesh
 
-        scan = scan_mesh(content.vertices, content.faces, random_state=0, name=str(path))
-    else:
-        scan = Scan(content.points, content.viewpoint, str(path), None, content.point_labels)
-    return scan if isinstance(viewpoint, str) else replace(scan, viewpoint=position)
+    return scan_mesh(content.vertices, content.faces, random_state=0, name=str(path))
 
 
 def _checked_position(viewpoint: ArrayLike) -> np.ndarray:

@@ -6,9 +6,9 @@ import re
 
 import numpy as np
 
-from shapeconcepts.io.cloud import LABEL_NAMES, Cloud, decoded_lines, number_table, whole_numbers
+from shapeconcepts.io.cloud import LABEL_NAMES, Cloud, decoded_lines, number_table
 from shapeconcepts.io.viewpoint import camera_frame_viewpoint
-from shapeconcepts.scan import ScanError
+from shapeconcepts.scan import ScanError, whole_numbers
 
 COMMENTS = ("#", "//", "%")
 
@@ -24,15 +24,19 @@ def read_text_table(data: bytes) -> Cloud:
     header: list[str] = []
     promised = None
     has_names = False
+    title = ""
     first = 0
     while first < len(lines):
         line = lines[first]
-        words = re.split(r"[\s,;]+", line)
         if line.startswith(COMMENTS):
             header.append(line.lstrip("#/% "))
-        elif not has_names and not any(_is_number(word) for word in words):
+            first += 1
+            continue
+        words = re.split(r"[\s,;]+", line)
+        if not has_names and not any(_is_number(word) for word in words):
             header.append(line)
             has_names = True
+            title = line
         elif promised is None and len(words) == 1 and words[0].isdecimal():
             promised = int(words[0][:18])
         else:
@@ -49,6 +53,8 @@ def read_text_table(data: bytes) -> Cloud:
     if n_columns < 3:
         raise ScanError(f"has {n_columns} columns, x, y and z are expected")
     names = _column_names(header, n_columns)
+    if has_names and not names:
+        _refuse_other_names(title, delimiter, n_columns)
     columns = [names.index(axis) for axis in "xyz"] if names else [0, 1, 2]
     label = next((names.index(name) for name in LABEL_NAMES if name in names), None)
     table = number_table(rows, columns if label is None else [*columns, label], delimiter)
@@ -75,3 +81,13 @@ def _column_names(header: list[str], n_columns: int) -> list[str]:
         if len(names) == n_columns and set("xyz") <= set(names):
             return names
     return []
+
+
+def _refuse_other_names(title: str, delimiter: str | None, n_columns: int) -> None:
+    """Raise ScanError where a line names all columns, none of them x, y or z; another title says nothing."""
+    names = [name.strip().strip("\"'") for name in title.split(delimiter)]
+    # "X [m]", "y(mm)", "z_coord" are what they seem.
+    if [name[:1].lower() for name in names[:3]] == ["x", "y", "z"]:
+        return
+    if len(set(names)) == len(names) == n_columns and all(name[:1].isalpha() for name in names):
+        raise ScanError(f"has no columns x, y and z, only {', '.join(names[:10])}")

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from pathlib import Path
 
 import numpy as np
 
+from shapeconcepts.io.atomic_write import write_atomically
 from shapeconcepts.scan import Scan, ScanError
 
 
@@ -58,24 +58,4 @@ def write_pcd(path: str | os.PathLike[str], scan: Scan) -> None:
         f"POINTS {len(scan)}\n"
         "DATA binary\n"
     )
-    _write_atomically(path, header.encode("ascii") + rows.tobytes())
-
-
-def _write_atomically(path: Path, content: bytes) -> None:
-    """Write beside the file first, so that nobody ever reads half of it."""
-    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
-        temporary = Path(file.name)
-        try:
-            file.write(content)
-            file.close()
-            os.chmod(temporary, 0o666 & ~_umask())
-            temporary.replace(path)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+    write_atomically(path, header.encode("ascii") + rows.tobytes())
