@@ -82,7 +82,7 @@ class SegmentDictionary(TransformerMixin, BaseEstimator):
         clusters[order] = divide(rows[order], int(self.n_levels))
         self.clusters_: NDArray[np.int32] = clusters
         self._set_words([_means(rows[order], clusters[order, level]) for level in range(self.n_levels)])
-        self.parents_ = [
+        self.parents_: list[NDArray[np.int32]] = [
             clusters[np.unique(clusters[:, level], return_index=True)[1], level - 1]
             if level
             else np.zeros(clusters[:, 0].max() + 1, np.int32)
@@ -150,6 +150,7 @@ class SegmentDictionary(TransformerMixin, BaseEstimator):
     def __sklearn_tags__(self) -> Any:
         tags = super().__sklearn_tags__()
         tags.input_tags.positive_only = True
+        tags.transformer_tags.preserves_dtype = []
         return tags
 
     def _embed(self, X: ArrayLike, *, reset: bool) -> NDArray[np.float64]:
@@ -160,7 +161,9 @@ class SegmentDictionary(TransformerMixin, BaseEstimator):
         return np.sqrt(rows) if self.metric == "hellinger" else rows
 
     def _set_words(self, embedded: list[NDArray[np.float64]]) -> None:
-        self.words_ = [level**2 if self.metric == "hellinger" else level for level in embedded]
+        self.words_: list[NDArray[np.float64]] = [
+            level**2 if self.metric == "hellinger" else level for level in embedded
+        ]
         self._embedded_words = np.concatenate(embedded)
         self._level_starts = np.concatenate([[0], np.cumsum([len(level) for level in embedded])])
 

@@ -67,6 +67,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
     """
 
     _training_stimuli: csr_matrix | None
+    _stimuli_parameters: tuple[float, bool]
 
     def __init__(
         self,
@@ -164,6 +165,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
             If X holds something else, or an object has more than 16 segments or other histograms.
         """
         check_is_fitted(self, "hierarchies_")
+        self._check_parameters()
         described = self._described(X, allow_empty=True)
         propagations = [propagate(one, self.dictionary_) for one in described]
         return self._stimuli([(p.histograms, self.hierarchies_.activated(p.words), -1) for p in propagations])
@@ -186,6 +188,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
             the closest prototypes.
         """
         check_is_fitted(self, "hierarchies_")
+        self._check_parameters()
         (described,) = self._described([X])
         return explain_propagation(
             propagate(described, self.dictionary_), self.hierarchies_, self.columns_, float(self.bandwidth)
@@ -203,7 +206,10 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
     def stimuli_(self) -> csr_matrix:
         """Rows of the training objects, computed when they are first asked for."""
         check_is_fitted(self, "hierarchies_")
-        if self._training_stimuli is None:
+        self._check_parameters()
+        parameters = (float(self.bandwidth), bool(self.leave_own_out))
+        if self._training_stimuli is None or self._stimuli_parameters != parameters:
+            self._stimuli_parameters = parameters
             known = self.hierarchies_
             starts = np.flatnonzero(np.diff(known.prototype_objects, prepend=-1))[1:]
             histograms = np.split(known.prototypes, starts)
@@ -244,7 +250,11 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         descriptor = get_descriptor(self.descriptor)
         chunks = _chunks(objects, self.n_jobs)
         described = Parallel(self.n_jobs)(delayed(_describe_all)(chunk, descriptor) for chunk in chunks)
-        return [one for chunk in described for one in chunk]
+        flat = [one for chunk in described for one in chunk]
+        n_bins = sorted({one.description.n_bins for one in flat})
+        if len(n_bins) > 1:
+            raise ValueError(f"X must hold objects described by one number of bins, got {n_bins}")
+        return flat
 
     def _stimuli(self, activations: list[Activation]) -> csr_matrix:
         column_of = np.full(self.hierarchies_.n_vertices, -1, np.int32)

@@ -239,7 +239,7 @@ def _edges(propagation: Propagation, vertices: NDArray[np.int32]) -> NDArray[np.
     is_linked = linked_vertices(
         propagation.constellations,
         propagation.motif_levels,
-        np.ascontiguousarray(propagation.segment_edges, np.int32),
+        np.ascontiguousarray(propagation.segment_edges, np.int32).reshape(-1, 2),
         local,
         len(distinct),
     )

@@ -1,0 +1,287 @@
+"""Filtration of a topological space: annexations over time, persistence diagram, and groups at any time."""
+
+from __future__ import annotations
+
+import warnings
+from numbers import Integral
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import coo_matrix, sparray, spmatrix
+from scipy.sparse.csgraph import connected_components
+from sklearn.base import BaseEstimator, ClusterMixin
+from sklearn.utils.validation import check_is_fitted
+
+from shapeconcepts.topology.annexation_kernels import annex
+from shapeconcepts.topology.concept import Concept
+from shapeconcepts.topology.space import TopologicalSpace
+
+if TYPE_CHECKING:
+    import networkx
+
+
+class Filtration(ClusterMixin, BaseEstimator):
+    """Lets the objects of a topological space annex each other, from the leaves of its tree to the centre.
+
+    Edges of the tree enter in the order of their heat. Time runs from just above 0, when the first enter, to
+    1, when a single class is left. At each edge the class with fewer members dies (paper: Topological
+    Filtration, Persistent Shape Concept Extraction).
+
+    Parameters
+    ----------
+    min_concept_size : int
+        Smallest number of objects of a concept, at least 2.
+    max_steps : int
+        Largest number of equal steps of time in which annexations are counted, from 1.
+
+    Attributes
+    ----------
+    space_ : TopologicalSpace
+    times_ : (e,) float64
+        Time of each annexation, rising, in (0, 1].
+    edges_ : (e, 2) int32
+        Edges of the spanning tree in the order of their time, as vertices of the space.
+    annexations_ : (e, 2) int32
+        Representative of the class that dies, and of the one that it dies into: the edges of the filtration
+        graph F.
+    epsilon_max_ : float or None
+        The time at which concepts are taken: the end of the earliest step with the most annexations, among
+        those after which there are at least two concepts and none holds more than half of the objects. None
+        where there is no such step.
+    labels_ : (n,) int32
+        Concept of each object at that time, -1 for none.
+    concepts_ : list of Concept
+    """
+
+    def __init__(self, min_concept_size: int = 3, max_steps: int = 200) -> None:
+        self.min_concept_size = min_concept_size
+        self.max_steps = max_steps
+
+    def fit(self, X: ArrayLike | spmatrix | sparray, y: object = None) -> Filtration:
+        """Filter the space of the rows of a matrix.
+
+        Parameters
+        ----------
+        X : (n, c) array-like or sparse matrix
+            Non-negative, such as stimuli.
+        y : ignored
+
+        Returns
+        -------
+        self
+
+        Raises
+        ------
+        ValueError
+            If a parameter is out of range, or X is not a matrix of finite numbers of at least 0.
+
+        Warns
+        -----
+        UserWarning
+            If there is no time at which the objects fall into at least two concepts.
+        """
+        _check_integer("min_concept_size", self.min_concept_size, 2)
+        _check_integer("max_steps", self.max_steps, 1)
+        self.space_ = TopologicalSpace().fit(X)
+        self.n_features_in_ = self.space_.n_features_in_
+        times = _times(self.space_.edge_heat_)
+        order = np.argsort(times, kind="stable")
+        self.times_ = times[order]
+        self.edges_ = self.space_.edges_[order]
+        dying, surviving, dying_sizes, surviving_sizes = annex(self.edges_, self.space_.multiplicities_)
+        self.annexations_ = np.stack([dying, surviving], axis=1)
+        self.epsilon_max_ = self._most_annexations(dying_sizes, surviving_sizes)
+        if self.epsilon_max_ is None:
+            self.concepts_: list[Concept] = []
+            warnings.warn(
+                f"no step of the filtration of {len(self.space_.vertices_)} objects "
+                f"({len(self.space_.multiplicities_)} different places in the space) leaves two concepts of "
+                f"at least {self.min_concept_size} objects without one that holds more than half: "
+                "no object is in a concept",
+                stacklevel=2,
+            )
+        else:
+            self.concepts_ = self.concepts_at(self.epsilon_max_)
+        self.labels_ = self._labels(self.concepts_)
+        return self
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """Time of each annexation, rising, (e,) float64."""
+        check_is_fitted(self)
+        return self.times_
+
+    @property
+    def edges(self) -> NDArray[np.int32]:
+        """Edges of the spanning tree in the order of their time, (e, 2) int32."""
+        check_is_fitted(self)
+        return self.edges_
+
+    @property
+    def epsilon_max(self) -> float | None:
+        """Time at which concepts are taken, None where no state qualifies."""
+        check_is_fitted(self)
+        return self.epsilon_max_
+
+    @property
+    def n_steps(self) -> int:
+        """Number of equal steps of time: as many as the first annexation fits into 1, at most `max_steps`."""
+        check_is_fitted(self)
+        if len(self.times_) == 0:
+            return 1
+        # Without the hair, rounding would add a step where the first time is an exact fraction.
+        return int(min(self.max_steps, np.ceil(1 / self.times_[0] - 1e-9)))
+
+    def annexations(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Annexations per step of time (paper: annexation curve).
+
+        Returns
+        -------
+        step_ends : (k,) float64
+            End of each step; the last is 1.
+        counts : (k,) int64
+            Annexations after the end of the step before, and up to this one.
+        """
+        n_steps = self.n_steps
+        return np.arange(1, n_steps + 1) / n_steps, np.bincount(self._steps(), minlength=n_steps)
+
+    def diagram(self) -> NDArray[np.float64]:
+        """Persistence diagram of homology group 0 (paper: barcode).
+
+        Returns
+        -------
+        (v, 2) float64
+            Birth and death of the class of each vertex of the space. All are born at 0; the last one never
+            dies: its death is infinite.
+        """
+        check_is_fitted(self)
+        diagram = np.zeros((len(self.space_.multiplicities_), 2))
+        diagram[:, 1] = np.inf
+        diagram[self.annexations_[:, 0], 1] = self.times_
+        return diagram
+
+    def graph(self) -> networkx.DiGraph:
+        """Filtration graph F: an edge from each class that dies to the one that annexes it.
+
+        Returns
+        -------
+        networkx.DiGraph
+            Vertices of the space, with `objects` (rows of X at this place); edges with `time`.
+        """
+        import networkx
+
+        check_is_fitted(self)
+        graph = networkx.DiGraph()
+        for vertex in range(len(self.space_.multiplicities_)):
+            graph.add_node(vertex, objects=np.flatnonzero(self.space_.vertices_ == vertex).tolist())
+        for (dying, surviving), time in zip(self.annexations_.tolist(), self.times_.tolist(), strict=True):
+            graph.add_edge(dying, surviving, time=time)
+        return graph
+
+    def concepts_at(self, time: float, min_size: int | None = None) -> list[Concept]:
+        """Groups of objects at a time.
+
+        Parameters
+        ----------
+        time : float
+            From 0, where every object is alone, to 1.
+        min_size : int, optional
+            Smallest number of objects, `min_concept_size` by default.
+
+        Returns
+        -------
+        list of Concept
+            Largest first; of equally large ones the one with the smallest vertex first.
+
+        Raises
+        ------
+        ValueError
+            If `time` is not between 0 and 1, or `min_size` is not a positive integer.
+        """
+        check_is_fitted(self)
+        if not 0 <= time <= 1:
+            raise ValueError(f"time must be between 0 and 1, got {time!r}")
+        smallest = self.min_concept_size if min_size is None else min_size
+        _check_integer("min_size", smallest, 1)
+        n_vertices = len(self.space_.multiplicities_)
+        n_joined = int(np.searchsorted(self.times_, time, side="right"))
+        joined = self.edges_[:n_joined]
+        adjacency = coo_matrix((np.ones(n_joined), (joined[:, 0], joined[:, 1])), (n_vertices, n_vertices))
+        n_groups, group = connected_components(adjacency, directed=False)
+        births = np.zeros(n_groups)
+        np.maximum.at(births, group[joined[:, 0]], self.times_[:n_joined])
+        deaths = np.full(n_groups, np.inf)
+        for end in self.edges_[n_joined:].T:
+            np.minimum.at(deaths, group[end], self.times_[n_joined:])
+        placed = np.flatnonzero(self.space_.vertices_ >= 0)
+        group_of = group[self.space_.vertices_[placed]]
+        sizes = np.bincount(group_of, minlength=n_groups)
+        members = np.split(placed[np.argsort(group_of, kind="stable")], np.cumsum(sizes)[:-1])
+        # Groups are numbered by their smallest vertex.
+        largest_first = np.argsort(-sizes, kind="stable")
+        return [
+            Concept(members[k], self._medoid(group == k), float(births[k]), float(deaths[k]))
+            for k in largest_first
+            if sizes[k] >= smallest
+        ]
+
+    def _medoid(self, is_member: NDArray[np.bool_]) -> int:
+        """First object at the group's place of smallest mean divergence to the group's objects."""
+        from shapeconcepts.topology.divergence import jensen_shannon_divergences
+
+        vertices = np.flatnonzero(is_member)
+        rows = self.space_.rows_[vertices]
+        means = jensen_shannon_divergences(rows) @ self.space_.multiplicities_[vertices]
+        return int(np.flatnonzero(self.space_.vertices_ == vertices[means.argmin()])[0])
+
+    def _labels(self, concepts: list[Concept]) -> NDArray[np.int32]:
+        labels = np.full(len(self.space_.vertices_), -1, np.int32)
+        for number, concept in enumerate(concepts):
+            labels[concept.members] = number
+        return labels
+
+    def _steps(self) -> NDArray[np.int64]:
+        """Step in which each annexation falls."""
+        n_steps = self.n_steps
+        return np.clip(np.ceil(self.times_ * n_steps - 1e-9).astype(np.int64) - 1, 0, n_steps - 1)
+
+    def _most_annexations(
+        self, dying_sizes: NDArray[np.int64], surviving_sizes: NDArray[np.int64]
+    ) -> float | None:
+        """The paper's optimal time, limited to states that are not trivial."""
+        sizes = dying_sizes + surviving_sizes
+        smallest, n_objects = self.min_concept_size, self.space_.multiplicities_.sum()
+        n_concepts = (self.space_.multiplicities_ >= smallest).sum() + np.cumsum(
+            (sizes >= smallest).astype(int)
+            - (dying_sizes >= smallest).astype(int)
+            - (surviving_sizes >= smallest).astype(int)
+        )
+        largest = np.maximum.accumulate(sizes)
+        step_ends, counts = self.annexations()
+        last = np.cumsum(counts) - 1
+        is_open = (counts > 0) & (last >= 0)
+        is_open[is_open] &= (n_concepts[last[is_open]] >= 2) & (2 * largest[last[is_open]] <= n_objects)
+        if not is_open.any():
+            return None
+        return float(step_ends[np.where(is_open, counts, -1).argmax()])
+
+    def __sklearn_tags__(self) -> Any:
+        tags = super().__sklearn_tags__()
+        tags.input_tags.sparse = True
+        tags.input_tags.positive_only = True
+        return tags
+
+
+def _times(edge_heat: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Heat as time in (0, 1]: the coldest edges enter first, and nothing does at 0."""
+    if len(edge_heat) == 0 or edge_heat.min() == edge_heat.max():
+        return np.ones(len(edge_heat))
+    smallest = edge_heat[edge_heat > 0].min()
+    coldest = edge_heat.min()
+    return (edge_heat - coldest + smallest) / (edge_heat.max() - coldest + smallest)
+
+
+def _check_integer(name: str, value: object, smallest: int) -> None:
+    if isinstance(value, bool) or not isinstance(value, Integral) or value < smallest:
+        raise ValueError(f"{name} must be an integer of at least {smallest}, got {value!r}")
