@@ -1,4 +1,7 @@
-"""FPFH against a slow version written from its definition."""
+"""FPFH against a slow version written from its definition.
+
+The package computes in single precision: a pair that close to the border of a bin may fall to its other side.
+"""
 
 import math
 
@@ -65,16 +68,16 @@ def test_agrees_with_slow_version(seed, n, radius):
     points[::7] = points[0]
     normals[::5] = 0
     np.testing.assert_allclose(
-        compute_fpfh(points, normals, radius), slow_fpfh(points, normals, radius), atol=1e-9
+        compute_fpfh(points, normals, radius), slow_fpfh(points, normals, radius), rtol=1e-5, atol=1e-5
     )
 
 
 def test_every_bin_is_reached():
     points, normals = random_surface(0, 120)
     found = compute_fpfh(points, normals, 0.03)
-    np.testing.assert_allclose(found, slow_fpfh(points, normals, 0.03), atol=1e-9)
+    np.testing.assert_allclose(found, slow_fpfh(points, normals, 0.03), rtol=1e-5, atol=1e-5)
     assert (found.sum(axis=0)[11:] > 0).all() and (found.sum(axis=0)[:11] > 0).all()
-    np.testing.assert_allclose(found.reshape(-1, 3, 11).sum(axis=2), 200)
+    np.testing.assert_allclose(found.reshape(-1, 3, 11).sum(axis=2), 200, rtol=1e-5)
 
 
 def test_points_that_are_each_their_own_source():
@@ -82,8 +85,8 @@ def test_points_that_are_each_their_own_source():
     points = np.array([[0.0, 0, 0], [0.01, 0, 0]])
     normals = np.tile([0.6, 0.8, 0], (2, 1))
     found = compute_fpfh(points, normals, 0.03)
-    np.testing.assert_allclose(found, slow_fpfh(points, normals, 0.03))
-    assert found[0, 22 + 8] == found[0, 22 + 2] == found[1, 22 + 8] == found[1, 22 + 2] == 100
+    np.testing.assert_allclose(found, slow_fpfh(points, normals, 0.03), rtol=1e-6)
+    np.testing.assert_allclose(found[:, [22 + 2, 22 + 8]], 100, rtol=1e-6)
 
 
 def test_flat_and_isolated_points():
@@ -92,7 +95,7 @@ def test_flat_and_isolated_points():
     found = compute_fpfh(points, np.tile([0.0, 0, 1], (37, 1)), 0.02)
     expected = np.zeros(33)
     expected[[5, 16, 27]] = 200
-    np.testing.assert_allclose(found[:-1], np.tile(expected, (36, 1)))
+    np.testing.assert_allclose(found[:-1], np.tile(expected, (36, 1)), rtol=1e-6)
     assert not found[-1].any()
 
 
@@ -110,7 +113,7 @@ def test_segments_sum_the_histograms_of_their_points(seed, n):
         members = [i for i in range(n) if labels[i] >= 0 and mask >> labels[i] & 1]
         total = per_point[members].sum(axis=0)
         expected = total / total.sum() if total.any() else total
-        np.testing.assert_allclose(description.histograms([mask])[0], expected, atol=1e-12)
+        np.testing.assert_allclose(description.histograms([mask])[0], expected, atol=1e-6)
 
 
 def test_bad_input():

@@ -1,5 +1,7 @@
 """Radius neighbours against SciPy's k-d tree."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,7 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy.spatial import cKDTree
 
-from shapeconcepts.neighbours import neighbour_pairs, radius_neighbours
+from shapeconcepts.neighbour_kernels import restrict
+from shapeconcepts.neighbours import cell_grid, radius_neighbours, sorting_order
 
 
 def tree_neighbours(points: np.ndarray, radius: float) -> list[list[int]]:
@@ -65,16 +68,40 @@ def test_one_point_and_no_point():
     assert as_lists(np.zeros((0, 3)), 0.1) == []
 
 
-def test_pairs_hold_each_pair_once():
-    points = np.random.default_rng(1).uniform(size=(200, 3))
-    pairs = neighbour_pairs(points, 0.2)
-    assert sorted(pairs.order) == list(range(200))
-    found = set()
-    for i in range(200):
-        partners = pairs.partners[pairs.indptr[i] : pairs.indptr[i + 1]]
-        assert (np.diff(partners) > 0).all() and (partners > i).all()
-        found.update(tuple(sorted((pairs.order[i], pairs.order[j]))) for j in partners)
-    assert found == cKDTree(points).query_pairs(0.2)
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 200), st.sampled_from([1, 2, 3]))
+def test_candidates_of_cells_hold_all_neighbours(seed, n, reach):
+    points = np.random.default_rng(seed).uniform(size=(n, 3)) * [1.0, 1.0, 0.2]
+    grid = cell_grid(points, 0.2, reach)
+    np.testing.assert_array_equal(points[grid.order], grid.coordinates.T)
+    lists = tree_neighbours(grid.coordinates.T, 0.2)
+    assert grid.cells[0] == 0 and grid.cells[-1] == n
+    for cell, (start, end) in enumerate(itertools.pairwise(grid.cells)):
+        candidates = grid.candidates[grid.indptr[cell] : grid.indptr[cell + 1]]
+        assert end > start and (np.diff(candidates.astype(int)) > 0).all()
+        assert set().union(range(start, end), *lists[start:end]) <= set(candidates)
+        box = grid.coordinates[:, start:end]
+        nearest = np.clip(grid.coordinates, box.min(axis=1, keepdims=True), box.max(axis=1, keepdims=True))
+        distances = np.linalg.norm(grid.coordinates - nearest, axis=0)
+        assert (distances[candidates] < 0.2001).all()
+
+
+@given(st.lists(st.integers(0, 2**62 - 1) | st.integers(0, 9)))
+def test_sorting_order_is_stable(keys):
+    keys = np.array(keys, np.int64)
+    np.testing.assert_array_equal(sorting_order(keys), np.argsort(keys, kind="stable"))
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 120))
+def test_restricted_lists_are_those_of_the_kept_points(seed, n):
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(size=(n, 3))
+    kept = rng.random(n) < 0.7
+    kept[rng.integers(n)] = True
+    found = restrict(*radius_neighbours(points, 0.3), kept)
+    for array, expected in zip(found, radius_neighbours(points[kept], 0.3), strict=True):
+        np.testing.assert_array_equal(array, expected)
 
 
 def test_order_of_points_does_not_matter():

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from shapeconcepts.neighbours import radius_neighbours
 from shapeconcepts.segmentation.crease_kernels import border_pairs, crease_angles, sharpen_borders
+from shapeconcepts.segmentation.super_patches import _unchanged
 from shapeconcepts.segmentation.surface_fit_kernels import (
     CURVATURE_RIDGE,
     MIN_FIT_POINTS,
@@ -82,6 +83,14 @@ def test_each_border_has_its_own_angle():
     ends = np.append(starts[1:], len(keys))
     angles = crease_angles(points, normals, *adjacent(points), labels, first, second, starts, ends, SCALE, 16)
     np.testing.assert_allclose(np.degrees(angles), [-90, 60], atol=1.0)
+
+
+def test_borders_that_merging_does_not_lengthen_keep_their_angles():
+    angles = {(0, 1): 0.1, (0, 2): 0.2, (1, 2): 0.3, (1, 3): 0.4, (2, 4): 0.5, (3, 4): 0.6}
+    # 0 and 1 become one, so that their borders with 2 do; 3 and 4 likewise.
+    merged = np.array([0, 0, 2, 3, 3], np.int32)
+    kept = {border: angle for border, angle in _unchanged(angles, merged).items() if border[0] < border[1]}
+    assert kept == {(0, 3): 0.4, (2, 3): 0.5}
 
 
 def cylinder(radius: float):

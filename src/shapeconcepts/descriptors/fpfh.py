@@ -8,14 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.descriptors.fpfh_kernels import (
-    N_BINS,
     neighbour_means,
     segment_sums,
     simplified_histograms,
 )
 from shapeconcepts.descriptors.protocol import Description
 from shapeconcepts.descriptors.surface import checked_labels, checked_surface
-from shapeconcepts.neighbours import NeighbourPairs, neighbour_pairs
+from shapeconcepts.neighbours import cell_grid
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 
@@ -42,17 +41,15 @@ class FPFH:
         ValueError
             If `radius` is not a positive number, or the object's arrays do not fit (as in `compute_fpfh`).
         """
-        surface = _NeighbouredSurface(segmented.points, segmented.normals, self.radius)
-        sums = segment_sums(
-            surface.points,
-            surface.pairs.indptr,
-            surface.pairs.partners,
-            surface.histograms,
-            surface.weight_sums,
-            checked_labels(segmented)[surface.pairs.order],
-            segmented.n_segments,
+        points, normals = checked_surface(segmented.points, segmented.normals)
+        labels = checked_labels(segmented)
+        grid = cell_grid(points, self.radius, reach=2)
+        histograms, weight_sums = simplified_histograms(
+            np.concatenate([grid.coordinates, normals[grid.order].T]), *grid[2:], self.radius
         )
-        return Description(sums)
+        scales = np.divide(1.0, weight_sums, out=np.zeros(len(points)), where=weight_sums > 0.0)
+        labelled = np.concatenate([grid.coordinates, [labels[grid.order], scales]])
+        return Description(segment_sums(labelled, *grid[2:], self.radius, histograms, segmented.n_segments))
 
 
 def compute_fpfh(
@@ -83,25 +80,11 @@ def compute_fpfh(
         If the shapes do not fit, values are not finite, normals are neither unit nor zero, or `radius` is not
         a positive number.
     """
-    surface = _NeighbouredSurface(points, normals, radius)
-    pairs = surface.pairs
-    means = neighbour_means(
-        surface.points, pairs.indptr, pairs.partners, surface.histograms, surface.weight_sums
-    )
+    points, normals = checked_surface(points, normals)
+    grid = cell_grid(points, radius, reach=2)
+    surface = np.concatenate([grid.coordinates, normals[grid.order].T])
+    histograms, weight_sums = simplified_histograms(surface, *grid[2:], radius)
+    means = neighbour_means(surface, *grid[2:], radius, histograms, weight_sums)
     result = np.empty_like(means)
-    result[pairs.order] = means + surface.histograms
+    result[grid.order] = histograms + means
     return result
-
-
-class _NeighbouredSurface:
-    """Oriented points sorted like their neighbour pairs, with simplified histograms (100 per angle)."""
-
-    def __init__(self, points: NDArray[np.float64], normals: NDArray[np.float64], radius: float) -> None:
-        points, normals = checked_surface(points, normals)
-        self.pairs: NeighbourPairs = neighbour_pairs(points, radius)
-        self.points = points[self.pairs.order]
-        counts, self.weight_sums = simplified_histograms(
-            self.points, normals[self.pairs.order], self.pairs.indptr, self.pairs.partners
-        )
-        n_neighbours = counts[:, :N_BINS].sum(axis=1, keepdims=True)
-        self.histograms = counts * (100.0 / np.maximum(n_neighbours, 1))

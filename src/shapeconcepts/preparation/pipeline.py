@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.io.conversion import as_scan
-from shapeconcepts.neighbours import radius_neighbours
+from shapeconcepts.neighbour_kernels import restrict
+from shapeconcepts.neighbours import Neighbours, radius_neighbours
 from shapeconcepts.preparation.normal_kernels import principal_component_normals
 from shapeconcepts.preparation.prepared_object import PreparedObject
 from shapeconcepts.preparation.sensor_direction import estimate_viewpoint, orient_normals
@@ -64,10 +65,11 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
         stray = stray_points(neighbours)
         if not stray.any():
             break
-        points = points[~stray[grid.point_to_voxel]]
-        finite[finite] = ~stray[grid.point_to_voxel]
-        grid = _without(grid, stray)
-        neighbours = radius_neighbours(grid.points, NEIGHBOUR_RADIUS * grid.voxel_size)
+        kept = ~stray[grid.point_to_voxel]
+        points = points[kept]
+        finite[finite] = kept
+        grid = _without(grid, stray, kept)
+        neighbours = Neighbours(*restrict(*neighbours, ~stray))
     normals = principal_component_normals(grid.points, neighbours.indptr, neighbours.indices)
     viewpoint = scan.viewpoint
     if viewpoint is None:
@@ -93,7 +95,6 @@ def check_length(name: str, value: object) -> float:
     return float(value)
 
 
-def _without(grid: VoxelGrid, dropped: NDArray[np.bool_]) -> VoxelGrid:
+def _without(grid: VoxelGrid, dropped: NDArray[np.bool_], kept: NDArray[np.bool_]) -> VoxelGrid:
     row = np.cumsum(~dropped, dtype=np.int32) - 1
-    kept = grid.point_to_voxel[~dropped[grid.point_to_voxel]]
-    return VoxelGrid(grid.points[~dropped], row[kept], grid.voxel_size)
+    return VoxelGrid(grid.points[~dropped], row[grid.point_to_voxel[kept]], grid.voxel_size)

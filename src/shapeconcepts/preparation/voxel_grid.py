@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from shapeconcepts.neighbours import sorting_order
 from shapeconcepts.preparation.canonical_frame import canonical_coordinates
 
 KINECT_VOXEL_SIZE = 0.005
@@ -99,7 +100,7 @@ def _count(keys: NDArray[np.int64]) -> int:
 
 
 def _fill(points: NDArray[np.float64], keys: NDArray[np.int64], voxel_size: float) -> VoxelGrid:
-    order = np.argsort(keys, kind="stable")
+    order = sorting_order(keys)
     sorted_keys = keys[order]
     first = np.flatnonzero(np.diff(sorted_keys, prepend=sorted_keys[0] - 1))
     counts = np.diff(first, append=len(points))

@@ -8,6 +8,21 @@ from numpy.typing import NDArray
 
 
 @njit(cache=True)
+def _stable_order(keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Stable order of small keys, not negative, by counting: linear, and faster than numba's sort."""
+    start = np.zeros(keys.max() + 2, np.int64)
+    for key in keys:
+        start[key + 1] += 1
+    for key in range(1, len(start)):
+        start[key] += start[key - 1]
+    order = np.empty(len(keys), np.int64)
+    for i in range(len(keys)):
+        order[start[keys[i]]] = i
+        start[keys[i]] += 1
+    return order
+
+
+@njit(cache=True)
 def patch_borders(
     normals: NDArray[np.float64],
     indptr: NDArray[np.int64],
@@ -25,7 +40,7 @@ def patch_borders(
         Sum, and number of voxel pairs.
     """
     n_patches = patches.max() + 1
-    members = np.argsort(patches, kind="mergesort")
+    members = _stable_order(patches + np.int64(1))
     first = np.empty(len(indices), np.int64)
     second = np.empty(len(indices), np.int64)
     total = np.empty(len(indices))
@@ -104,7 +119,10 @@ def average_linkage(
     a, b, total, count = first.copy(), second.copy(), difference.copy(), pairs.copy()
     group = np.arange(n_regions)
     while True:
-        order = np.argsort(a * n_regions + b, kind="mergesort")
+        if len(a) == 0:
+            return group
+        order = _stable_order(b)
+        order = order[_stable_order(a[order])]
         kept = -1
         sorted_a, sorted_b, sorted_total, sorted_count = a[order], b[order], total[order], count[order]
         for e in range(len(order)):

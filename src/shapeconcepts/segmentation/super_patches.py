@@ -110,8 +110,7 @@ def _join_smooth(
         target = np.arange(regions.max() + 1, dtype=np.int32)
         for a, b in merged:
             target[b] = a
-        touched = {region for pair in merged for region in pair}
-        known = {border: angle for border, angle in known.items() if touched.isdisjoint(border)}
+        known = _unchanged(known, target)
         regions = np.where(regions >= 0, target[regions], np.int32(-1))
 
 
@@ -122,6 +121,22 @@ def _mutual_best(angles: dict[tuple[int, int], float]) -> list[tuple[int, int]]:
         best[a] = min(best.get(a, (angle, b)), (angle, b))
         best[b] = min(best.get(b, (angle, a)), (angle, a))
     return [(a, b) for a, (angle, b) in best.items() if a < b and best[b][1] == a and angle < CREASE_ANGLE]
+
+
+def _unchanged(
+    angles: dict[tuple[int, int], float], target: NDArray[np.int32]
+) -> dict[tuple[int, int], float]:
+    """Angles of the borders that merging leaves as long as they were, by the new numbers of their regions.
+
+    Only a border of both merged regions with a third grows. Measuring the others again, too, because one of
+    their regions now goes on farther away, would hardly change them, and would cost more than all the rest on
+    objects of many regions.
+    """
+    found: dict[tuple[int, int], list[float]] = {}
+    for (a, b), angle in angles.items():
+        first, second = int(target[a]), int(target[b])
+        found.setdefault((min(first, second), max(first, second)), []).append(angle)
+    return {border: values[0] for border, values in found.items() if len(values) == 1}
 
 
 def _consecutive(labels: NDArray[np.int32]) -> NDArray[np.int32]:

@@ -29,7 +29,8 @@ def closer_neighbours(
     return shorter_indptr, shorter[:count].copy()
 
 
-@njit(cache=True, error_model="numpy")
+# Its sums may be reordered, for vector instructions: the same order on each run of a machine.
+@njit(cache=True, error_model="numpy", fastmath={"reassoc"})
 def smooth_normals(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],

@@ -57,7 +57,8 @@ def gather_surroundings(
     return count
 
 
-@njit(cache=True, error_model="numpy")
+# Its sums may be reordered, for vector instructions: the same order on each run of a machine.
+@njit(cache=True, error_model="numpy", fastmath={"reassoc"})
 def fit_surface(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
