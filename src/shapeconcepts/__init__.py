@@ -9,45 +9,64 @@ from shapeconcepts.scan import Scan, ScanError
 
 if TYPE_CHECKING:
     from shapeconcepts import datasets
+    from shapeconcepts.concepts import ConceptResponse
     from shapeconcepts.descriptors import FPFH, DescribedObject, Surflet, describe, get_descriptor
     from shapeconcepts.io import ScanWarning, read_scan, read_scans
+    from shapeconcepts.model import ShapeConceptModel
+    from shapeconcepts.model_file import ModelError, load_model
     from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary, decompose
     from shapeconcepts.segmentation import SegmentedObject, segment
+    from shapeconcepts.topology import Concept, Filtration, TopologicalSpace
 
 __version__ = "0.1.0"
 
 __all__ = [
     "FPFH",
+    "Concept",
+    "ConceptResponse",
     "DescribedObject",
+    "Filtration",
+    "ModelError",
     "MotifHierarchyEnsemble",
     "Scan",
     "ScanError",
     "ScanWarning",
     "SegmentDictionary",
     "SegmentedObject",
+    "ShapeConceptModel",
     "Surflet",
+    "TopologicalSpace",
     "__version__",
     "datasets",
     "decompose",
     "describe",
     "get_descriptor",
+    "load_model",
     "read_scan",
     "read_scans",
     "segment",
 ]
 
-# numba takes longer to import than everything else together: these are imported when they are first used.
+# numba and scikit-learn take longer to import than everything else together: these are imported when they are
+# first used.
 _HOME_OF = {
-    "DescribedObject": ".descriptors",
     "FPFH": ".descriptors",
+    "Concept": ".topology",
+    "ConceptResponse": ".concepts",
+    "DescribedObject": ".descriptors",
+    "Filtration": ".topology",
+    "ModelError": ".model_file",
     "MotifHierarchyEnsemble": ".motifs",
     "ScanWarning": ".io",
     "SegmentDictionary": ".motifs",
     "SegmentedObject": ".segmentation",
+    "ShapeConceptModel": ".model",
     "Surflet": ".descriptors",
+    "TopologicalSpace": ".topology",
     "decompose": ".motifs",
     "describe": ".descriptors",
     "get_descriptor": ".descriptors",
+    "load_model": ".model_file",
     "read_scan": ".io",
     "read_scans": ".io",
     "segment": ".segmentation",

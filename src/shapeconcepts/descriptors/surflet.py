@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from shapeconcepts.descriptors.protocol import Description
 from shapeconcepts.descriptors.surface import checked_labels, checked_surface
 from shapeconcepts.descriptors.surflet_kernels import accumulate_relations, largest_distance
+from shapeconcepts.preparation.canonical_frame import canonical_coordinates
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 SCALES = ("relative", "metric")
@@ -93,8 +94,10 @@ def _average_cells(
         return _Surflets(np.empty((3, 0)), np.empty((3, 0)), np.empty(0), labels)
     offsets = points - points.mean(axis=0)
     cell_size = _CELL_FRACTION * np.sqrt(np.einsum("ij,ij->", offsets, offsets) / len(points))
-    # The centroid lies within a cell: on a border, rounding would decide on the points of symmetric objects.
-    cells = np.floor(offsets / cell_size + 0.5) if cell_size > 0.0 else np.zeros_like(offsets)
+    # The grid lies along the object's own axes: a turned object is cut into the same cells. The centroid lies
+    # within a cell: on a border, rounding would decide on the points of symmetric objects.
+    along_axes = canonical_coordinates(points)
+    cells = np.floor(along_axes / cell_size + 0.5) if cell_size > 0.0 else np.zeros_like(offsets)
     cells = (cells - cells.min(axis=0)).astype(np.int64)
     size = cells.max(axis=0) + 1
     keys = ((labels * size[0] + cells[:, 0]) * size[1] + cells[:, 1]) * size[2] + cells[:, 2]

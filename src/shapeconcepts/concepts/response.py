@@ -1,0 +1,179 @@
+"""Responses of concepts to an object, and the concept that it most resembles."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_matrix, sparray, spmatrix
+from scipy.spatial.distance import cdist
+from sklearn.base import BaseEstimator, TransformerMixin
+from sklearn.decomposition import PCA
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from shapeconcepts.topology.divergence import jensen_shannon_divergences, normalised_rows
+from shapeconcepts.topology.space import TopologicalSpace
+
+MAX_COMPONENTS = 30
+VARIANCE_KEPT = 0.95
+# Above so many entries the dense matrix is not formed.
+_DENSE_ENTRIES = 2_000_000
+
+
+class ConceptResponse(TransformerMixin, BaseEstimator):
+    """Mean Mahalanobis distance of a row to the prototypes of each concept (paper: equation 3).
+
+    Rows are compared as shares, by what they sum to 1. The covariance is that of the training rows within
+    the principal components that carry 95 % of their variance, at most 30: outside of these, the hundreds of
+    rows at hand say nothing about the thousands of columns.
+
+    Attributes
+    ----------
+    classes_ : (k,) int64
+        Numbers of the concepts, rising.
+    prototypes_ : (p, c) csr_matrix of float64
+        Training rows that are in a concept and not empty, with sum 1.
+    prototype_concepts_ : (p,) int64
+        Position in `classes_` of each prototype's concept.
+    mean_ : (c,) float64
+        Mean of the training rows.
+    whitening_ : (c, d) float64
+        Takes centred rows to principal components of variance 1, between which the Mahalanobis distance is
+        the Euclidean one.
+    largest_divergence_ : float
+        The longest step between neighbouring prototypes of a concept. An object that is farther from every
+        prototype is unknown.
+    n_features_in_ : int
+    """
+
+    def fit(self, X: ArrayLike | spmatrix | sparray, y: ArrayLike) -> ConceptResponse:
+        """Learn what the rows of each concept are like.
+
+        Parameters
+        ----------
+        X : (n, c) array-like or sparse matrix
+            Non-negative, such as stimuli.
+        y : (n,) array-like of int
+            Concept of each row, -1 for none.
+
+        Returns
+        -------
+        self
+
+        Raises
+        ------
+        ValueError
+            If X is not a matrix of finite numbers of at least 0, or y does not fit.
+        """
+        matrix, labels = validate_data(self, X, y, accept_sparse="csr", dtype=np.float64)
+        is_whole = np.issubdtype(labels.dtype, np.number) and np.array_equal(labels, np.trunc(labels))
+        if not is_whole or labels.min() < -1:
+            raise ValueError(f"y must hold integers of at least -1, got {labels[:5].tolist()} ...")
+        rows = normalised_rows(matrix, "X")
+        placed = np.diff(rows.indptr) > 0
+        is_prototype = placed & (labels >= 0)
+        concepts = labels[is_prototype].astype(np.int64)
+        self.classes_, self.prototype_concepts_ = np.unique(concepts, return_inverse=True)
+        self.prototypes_ = csr_matrix(rows[is_prototype])
+        self.mean_, self.whitening_ = _whitening(rows[placed])
+        self.largest_divergence_ = self._longest_step()
+        return self
+
+    def transform(self, X: ArrayLike | spmatrix | sparray) -> NDArray[np.float64]:
+        """Responses of the concepts; smaller is more alike.
+
+        Parameters
+        ----------
+        X : (m, c) array-like or sparse matrix
+            Non-negative.
+
+        Returns
+        -------
+        (m, k) float64
+            Mean distance to the prototypes of each concept, at least 0; NaN in a row without any entry.
+
+        Raises
+        ------
+        ValueError
+            If X has another number of columns, or is not finite and non-negative.
+        """
+        check_is_fitted(self)
+        rows = self._rows(X)
+        distances = cdist(self._project(rows), self._project(self.prototypes_))
+        counts = np.bincount(self.prototype_concepts_, minlength=len(self.classes_))
+        # Row by row: summed over a whole matrix, the rounding of a row would depend on how many there are.
+        sums = [np.bincount(self.prototype_concepts_, row, len(counts)) for row in distances]
+        responses = np.array(sums).reshape(len(distances), len(counts)) / counts
+        responses[np.diff(rows.indptr) == 0] = np.nan
+        return responses
+
+    def predict(self, X: ArrayLike | spmatrix | sparray) -> NDArray[np.int64]:
+        """Concept of the prototype of smallest Jensen-Shannon divergence, -1 where even that one is far.
+
+        Parameters and errors are those of `transform`.
+
+        Returns
+        -------
+        (m,) int64
+            One of `classes_`, or -1: unknown.
+        """
+        check_is_fitted(self)
+        rows = self._rows(X)
+        if len(self.classes_) == 0:
+            return np.full(rows.shape[0], -1)
+        divergences = jensen_shannon_divergences(rows, self.prototypes_)
+        nearest = divergences.argmin(axis=1)
+        known = (divergences.min(axis=1) <= self.largest_divergence_) & (np.diff(rows.indptr) > 0)
+        return np.where(known, self.classes_[self.prototype_concepts_[nearest]], -1)
+
+    def get_feature_names_out(self, input_features: object = None) -> NDArray[np.object_]:
+        """Names of the columns of `transform`: "concept0", "concept1" ..."""
+        check_is_fitted(self)
+        return np.array([f"concept{number}" for number in self.classes_], dtype=object)
+
+    def _rows(self, X: ArrayLike | spmatrix | sparray) -> csr_matrix:
+        matrix = validate_data(
+            self, X, reset=False, accept_sparse="csr", dtype=np.float64, ensure_non_negative=True,
+            ensure_min_samples=0,
+        )  # fmt: skip
+        return normalised_rows(matrix, "X")
+
+    def _project(self, rows: csr_matrix) -> NDArray[np.float64]:
+        return rows @ self.whitening_ - self.mean_ @ self.whitening_
+
+    def _longest_step(self) -> float:
+        """Longest edge of the prototypes' spanning tree that stays within a concept."""
+        if self.prototypes_.shape[0] == 0:
+            return 0.0
+        space = TopologicalSpace().fit(self.prototypes_)
+        concept = np.empty(len(space.multiplicities_), np.int64)
+        concept[space.vertices_] = self.prototype_concepts_
+        within = concept[space.edges_[:, 0]] == concept[space.edges_[:, 1]]
+        return float(space.divergences_[within].max(initial=0.0))
+
+    def __sklearn_tags__(self) -> Any:
+        tags = super().__sklearn_tags__()
+        tags.input_tags.sparse = True
+        tags.input_tags.positive_only = True
+        tags.target_tags.required = True
+        return tags
+
+
+def _whitening(rows: csr_matrix) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mean of rows, and the projection to their main principal components scaled to variance 1."""
+    n, n_columns = rows.shape
+    largest = min(MAX_COMPONENTS, n - 1, n_columns)
+    mean = np.asarray(rows.mean(axis=0)).ravel() if n else np.zeros(n_columns)
+    if largest < 1:
+        return mean, np.empty((n_columns, 0))
+    if n * n_columns <= _DENSE_ENTRIES or largest >= min(n, n_columns):
+        components = PCA(largest, svd_solver="full").fit(rows.toarray())
+    else:
+        components = PCA(largest, svd_solver="arpack", random_state=0).fit(rows)
+    variance, share = components.explained_variance_, np.cumsum(components.explained_variance_ratio_)
+    # Components without variance carry nothing but rounding.
+    kept = min(int(np.searchsorted(share, VARIANCE_KEPT)) + 1, int((variance > 1e-12 * variance[:1]).sum()))
+    if not variance.size or variance[0] < 1e-24:
+        kept = 0
+    return mean, components.components_[:kept].T / np.sqrt(variance[:kept])
