@@ -71,7 +71,7 @@ def main() -> None:
         new_described = [describe(one, descriptor) for one in new]
         ensemble.fit(described[:20]).transform(new_described[:1])
         fit_described = np.median([seconds(ensemble.fit, described) for _ in range(REPEATS)])
-        training_rows = seconds(lambda: ensemble.stimuli_)
+        training_rows = seconds(getattr, ensemble, "stimuli_")
         fit_segmented = np.median([seconds(ensemble.fit, training) for _ in range(REPEATS)])
         each_described = 1e3 * np.array(
             [seconds(ensemble.transform, [one]) for one in new_described * REPEATS]
