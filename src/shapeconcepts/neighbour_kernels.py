@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 def cell_candidates(
     coordinates: NDArray[np.float64],
     keys: NDArray[np.int64],
+    cells: NDArray[np.int64],
     strides: NDArray[np.int64],
     reach: int,
     radius: float,
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.uint32]]:
+) -> tuple[NDArray[np.int64], NDArray[np.uint32]]:
     """For each cell, the points within a radius of the box around its points.
 
     Parameters
@@ -27,6 +28,8 @@ def cell_candidates(
         Points in the order of rising `keys`.
     keys : (m,) int64
         Cell of each point, ``strides @ cell``.
+    cells : (c + 1,) int64
+        Points of each cell: from ``cells[i]`` to ``cells[i + 1]``.
     strides : (3,) int64
         Weights of a cell's x, y and z in its key; z has weight 1, so a line of cells along z has adjacent
         keys.
@@ -37,16 +40,11 @@ def cell_candidates(
 
     Returns
     -------
-    cells : (c + 1,) int64
-        Points of each cell: from ``cells[i]`` to ``cells[i + 1]``.
     indptr : (c + 1,) int64
     candidates : (indptr[c],) uint32
         Candidates for neighbours of a cell's points, rising: ``candidates[indptr[i] : indptr[i + 1]]``.
     """
     m = len(keys)
-    is_first = np.ones(m + 1, np.bool_)
-    is_first[1:-1] = keys[1:] != keys[:-1]
-    cells = np.flatnonzero(is_first)
     lines = np.zeros((2, 2 * reach + 1, 2 * reach + 1), np.int64)
     indptr = np.zeros(len(cells), np.int64)
     candidates = np.empty(64 * m, np.uint32)
@@ -76,7 +74,8 @@ def cell_candidates(
                 lines[0, across_x, across_y], lines[1, across_x, across_y] = low, high
                 if count + high - low > len(candidates):
                     grown = np.empty(2 * len(candidates) + high - low, np.uint32)
-                    grown[:count] = candidates[:count]
+                    for k in range(count):
+                        grown[k] = candidates[k]
                     candidates = grown
                 # Unsigned numbers need no test for counting from the end. Written always and kept by the
                 # count: no branch to mispredict.
@@ -93,7 +92,7 @@ def cell_candidates(
                     candidates[count] = first + k
                     count += np.uint64(is_near[k])
         indptr[cell + 1] = count
-    return cells, indptr, candidates[:count]
+    return indptr, candidates[:count]
 
 
 @njit(cache=True, error_model="numpy")

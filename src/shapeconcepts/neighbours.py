@@ -93,9 +93,10 @@ def cell_grid(points: NDArray[np.float64], radius: float, reach: int = 1) -> Cel
     coordinates = np.ascontiguousarray(points.T)
     keys, strides = _cell_keys(coordinates, radius / reach, reach)
     order = sorting_order(keys)
-    coordinates = np.take(coordinates, order, axis=1)
+    coordinates, keys = np.take(coordinates, order, axis=1), keys[order]
+    cells = np.append(np.flatnonzero(np.diff(keys, prepend=-1)), len(keys))
     return CellGrid(
-        order, coordinates, *cell_candidates(coordinates, keys[order], strides, reach, float(radius))
+        order, coordinates, cells, *cell_candidates(coordinates, keys, cells, strides, reach, float(radius))
     )
 
 

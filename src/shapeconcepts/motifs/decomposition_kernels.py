@@ -28,24 +28,27 @@ def enumerate_constellations(
     """
     # 0 where a set was not seen; the number of the level that yields it first otherwise.
     level_of = np.zeros(1 << n_segments, np.uint8)
+    constellations = np.empty(1 << n_segments, np.int64)
     for segment in range(n_segments):
         level_of[1 << segment] = 1
     for e in range(len(edges)):
         level_of[(1 << edges[e, 0]) | (1 << edges[e, 1])] = 2
-    level = 2
-    while True:
-        current = np.flatnonzero(level_of == level)
-        n_new = 0
-        for a in range(len(current)):
-            for b in range(a):
-                union = current[a] | current[b]
-                if current[a] & current[b] and level_of[union] == 0:
-                    level_of[union] = level + 1
-                    n_new += 1
-        if n_new == 0:
-            break
+    level, start, end = 0, 0, 0
+    while start < end or level < 2:
         level += 1
-    constellations = np.flatnonzero(level_of)
-    levels = level_of[constellations].astype(np.int32)
-    order = np.argsort(levels, kind="mergesort")
-    return constellations[order], levels[order]
+        start = end
+        for constellation in range(1 << n_segments):
+            if level_of[constellation] == level:
+                constellations[end] = constellation
+                end += 1
+        if level == 1:
+            continue
+        for a in range(start, end):
+            for b in range(start, a):
+                union = constellations[a] | constellations[b]
+                if constellations[a] & constellations[b] and level_of[union] == 0:
+                    level_of[union] = level + 1
+    motif_levels = np.empty(end, np.int32)
+    for k in range(end):
+        motif_levels[k] = level_of[constellations[k]]
+    return constellations[:end].copy(), motif_levels

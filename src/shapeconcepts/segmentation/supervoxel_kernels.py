@@ -108,8 +108,9 @@ def grow_supervoxels(
     for s in range(len(seeds)):
         owner[seeds[s]] = s
         distance[seeds[s]] = 0.0
-    frontier = np.sort(seeds)
-    changed = np.zeros(m, np.bool_)
+    changed = owner >= 0
+    frontier = np.flatnonzero(changed)
+    changed[:] = False
     next_owner = owner.copy()
     for _ in range(rounds):
         for i in frontier:

@@ -50,6 +50,8 @@ def normalised_rows(rows: ArrayLike | spmatrix | sparray, name: str) -> csr_matr
     ValueError
         If `rows` is not two-dimensional, or holds negative or non-finite numbers.
     """
+    if np.ndim(rows) != 2:
+        raise ValueError(f"{name} must be a matrix, got {np.ndim(rows)} dimensions")
     matrix = csr_matrix(rows, dtype=np.float64, copy=True)
     if not (np.isfinite(matrix.data).all() and (matrix.data >= 0).all()):
         raise ValueError(f"{name} must hold finite numbers of at least 0, got others")
@@ -58,6 +60,8 @@ def normalised_rows(rows: ArrayLike | spmatrix | sparray, name: str) -> csr_matr
     lengths = np.diff(matrix.indptr)
     sums = np.add.reduceat(matrix.data, matrix.indptr[:-1][lengths > 0]) if matrix.nnz else np.empty(0)
     matrix.data /= np.repeat(sums, lengths[lengths > 0])
+    # What is too small beside the rest of its row has become 0.
+    matrix.eliminate_zeros()
     return matrix
 
 

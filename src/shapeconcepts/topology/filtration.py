@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from itertools import pairwise
 from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.topology.annexation_kernels import annex
 from shapeconcepts.topology.concept import Concept
+from shapeconcepts.topology.medoid_kernels import medoids_of_groups
 from shapeconcepts.topology.space import TopologicalSpace
 
 if TYPE_CHECKING:
@@ -83,9 +85,13 @@ class Filtration(ClusterMixin, BaseEstimator):
         """
         _check_integer("min_concept_size", self.min_concept_size, 2)
         _check_integer("max_steps", self.max_steps, 1)
-        self.space_ = TopologicalSpace().fit(X)
-        self.n_features_in_ = self.space_.n_features_in_
-        times = _times(self.space_.edge_heat_)
+        self._filter(TopologicalSpace().fit(X))
+        return self
+
+    def _filter(self, space: TopologicalSpace) -> None:
+        self.space_ = space
+        self.n_features_in_ = space.n_features_in_
+        times = _times(space.edge_heat_)
         order = np.argsort(times, kind="stable")
         self.times_ = times[order]
         self.edges_ = self.space_.edges_[order]
@@ -99,12 +105,11 @@ class Filtration(ClusterMixin, BaseEstimator):
                 f"({len(self.space_.multiplicities_)} different places in the space) leaves two concepts of "
                 f"at least {self.min_concept_size} objects without one that holds more than half: "
                 "no object is in a concept",
-                stacklevel=2,
+                stacklevel=3,
             )
         else:
             self.concepts_ = self.concepts_at(self.epsilon_max_)
         self.labels_ = self._labels(self.concepts_)
-        return self
 
     @property
     def times(self) -> NDArray[np.float64]:
@@ -173,8 +178,9 @@ class Filtration(ClusterMixin, BaseEstimator):
 
         check_is_fitted(self)
         graph = networkx.DiGraph()
-        for vertex in range(len(self.space_.multiplicities_)):
-            graph.add_node(vertex, objects=np.flatnonzero(self.space_.vertices_ == vertex).tolist())
+        objects, starts = _members(self.space_.vertices_, len(self.space_.multiplicities_))
+        for vertex, (start, end) in enumerate(pairwise(starts)):
+            graph.add_node(vertex, objects=objects[start:end].tolist())
         for (dying, surviving), time in zip(self.annexations_.tolist(), self.times_.tolist(), strict=True):
             graph.add_edge(dying, surviving, time=time)
         return graph
@@ -214,26 +220,35 @@ class Filtration(ClusterMixin, BaseEstimator):
         deaths = np.full(n_groups, np.inf)
         for end in self.edges_[n_joined:].T:
             np.minimum.at(deaths, group[end], self.times_[n_joined:])
-        placed = np.flatnonzero(self.space_.vertices_ >= 0)
-        group_of = group[self.space_.vertices_[placed]]
-        sizes = np.bincount(group_of, minlength=n_groups)
-        members = np.split(placed[np.argsort(group_of, kind="stable")], np.cumsum(sizes)[:-1])
+        # The last entry is for objects without a place, whose vertex is -1.
+        objects, starts = _members(np.append(group, -1)[self.space_.vertices_], n_groups)
+        sizes = np.diff(starts)
         # Groups are numbered by their smallest vertex.
         largest_first = np.argsort(-sizes, kind="stable")
+        chosen = largest_first[sizes[largest_first] >= smallest]
+        medoids = self._medoids(chosen, *_members(group, n_groups))
         return [
-            Concept(members[k], self._medoid(group == k), float(births[k]), float(deaths[k]))
-            for k in largest_first
-            if sizes[k] >= smallest
+            Concept(objects[starts[k] : starts[k + 1]], medoid, float(births[k]), float(deaths[k]))
+            for k, medoid in zip(chosen.tolist(), medoids.tolist(), strict=True)
         ]
 
-    def _medoid(self, is_member: NDArray[np.bool_]) -> int:
-        """First object at the group's place of smallest mean divergence to the group's objects."""
-        from shapeconcepts.topology.divergence import jensen_shannon_divergences
-
-        vertices = np.flatnonzero(is_member)
-        rows = self.space_.rows_[vertices]
-        means = jensen_shannon_divergences(rows) @ self.space_.multiplicities_[vertices]
-        return int(np.flatnonzero(self.space_.vertices_ == vertices[means.argmin()])[0])
+    def _medoids(
+        self, groups: NDArray[np.int64], vertices: NDArray[np.int64], starts: NDArray[np.int64]
+    ) -> NDArray[np.int64]:
+        """First object at each group's place of smallest mean divergence to the group's objects."""
+        rows = self.space_.rows_
+        places = medoids_of_groups(
+            rows.indptr.astype(np.int64),
+            rows.indices.astype(np.int32),
+            rows.data,
+            rows.shape[1],
+            self.space_.multiplicities_,
+            vertices,
+            starts,
+            groups,
+        )
+        objects, object_starts = _members(self.space_.vertices_, rows.shape[0])
+        return objects[object_starts[places]]
 
     def _labels(self, concepts: list[Concept]) -> NDArray[np.int32]:
         labels = np.full(len(self.space_.vertices_), -1, np.int32)
@@ -257,14 +272,16 @@ class Filtration(ClusterMixin, BaseEstimator):
             - (dying_sizes >= smallest).astype(int)
             - (surviving_sizes >= smallest).astype(int)
         )
-        largest = np.maximum.accumulate(sizes)
+        largest = np.maximum(np.maximum.accumulate(sizes), self.space_.multiplicities_.max(initial=0))
         step_ends, counts = self.annexations()
         last = np.cumsum(counts) - 1
         is_open = (counts > 0) & (last >= 0)
         is_open[is_open] &= (n_concepts[last[is_open]] >= 2) & (2 * largest[last[is_open]] <= n_objects)
         if not is_open.any():
             return None
-        return float(step_ends[np.where(is_open, counts, -1).argmax()])
+        best = np.where(is_open, counts, -1).argmax()
+        # Rounding may put the last annexation of a step behind its end.
+        return float(max(step_ends[best], self.times_[last[best]]))
 
     def __sklearn_tags__(self) -> Any:
         tags = super().__sklearn_tags__()
@@ -280,6 +297,12 @@ def _times(edge_heat: NDArray[np.float64]) -> NDArray[np.float64]:
     smallest = edge_heat[edge_heat > 0].min()
     coldest = edge_heat.min()
     return (edge_heat - coldest + smallest) / (edge_heat.max() - coldest + smallest)
+
+
+def _members(group_of: NDArray[np.int32], n_groups: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Positions by group, rising within each, and where each group starts; group -1 is left out."""
+    starts = np.concatenate([[0], np.cumsum(np.bincount(group_of[group_of >= 0], minlength=n_groups))])
+    return np.argsort(group_of, kind="stable")[len(group_of) - starts[-1] :], starts
 
 
 def _check_integer(name: str, value: object, smallest: int) -> None:

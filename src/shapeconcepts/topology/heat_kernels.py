@@ -58,9 +58,10 @@ def distance_sums(edges: NDArray[np.int32], weights: NDArray[np.int64]) -> NDArr
     for k in range(n - 1, 0, -1):
         weight_under[parent[order[k]]] += weight_under[order[k]]
     sums = np.zeros(n, np.int64)
-    if n:
-        sums[0] = (depth * weights).sum()
-    total = weights.sum()
+    total = 0
+    for v in range(n):
+        sums[0] += depth[v] * weights[v]
+        total += weights[v]
     for k in range(1, n):
         v = order[k]
         sums[v] = sums[parent[v]] + total - 2 * weight_under[v]

@@ -86,12 +86,12 @@ class TopologicalSpace(BaseEstimator):
         return self
 
     def _set_heat(self) -> None:
-        # Sums of integers: vertices that are equally central have the same heat to the last bit.
+        # Sums of integers: what is equally central has the same heat to the last bit.
         sums = distance_sums(self.edges_, self.multiplicities_)
         self.mean_distances_ = sums / max(self.multiplicities_.sum(), 1)
         span = np.ptp(sums) if len(sums) else 0
         self.vertex_heat_ = (sums.max(initial=0) - sums) / max(span, 1)
-        self.edge_heat_ = self.vertex_heat_[self.edges_].mean(axis=1)
+        self.edge_heat_ = (2 * sums.max(initial=0) - sums[self.edges_].sum(axis=1)) / max(2 * span, 1)
 
     def __sklearn_tags__(self) -> Any:
         tags = super().__sklearn_tags__()

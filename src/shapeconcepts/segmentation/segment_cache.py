@@ -1,0 +1,142 @@
+"""Keeps segmented objects in a folder, so that the same scan is not segmented twice."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import sys
+from dataclasses import dataclass, fields
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+
+from shapeconcepts import __version__
+from shapeconcepts.io.atomic_write import write_atomically
+from shapeconcepts.segmentation.segmented_object import SegmentedObject
+
+# What a segmented object depends on, apart from the scan and the parameters.
+_SOURCES = (
+    "scan.py",
+    "neighbour*.py",
+    "io/*.py",
+    "datasets/**/*.py",
+    "preparation/*.py",
+    "segmentation/*.py",
+)
+
+
+@dataclass(frozen=True)
+class SegmentCache:
+    """A folder with one file for each scan or labelled scene.
+
+    An entry is found by what it was made from, so it never becomes wrong; the folder can be deleted at any
+    time. Several processes may use it at once.
+
+    Attributes
+    ----------
+    folder : Path
+        It is made when the first entry is stored.
+    version : str
+        Fingerprint of the code that segments.
+    """
+
+    folder: Path
+    version: str
+
+    @classmethod
+    def of_user(cls) -> SegmentCache:
+        """The cache in the user's own cache folder.
+
+        Raises
+        ------
+        OSError
+            If the user has no home folder.
+        """
+        return cls(user_cache_folder() / "segments", code_fingerprint())
+
+    def key(self, content: bytes, parameters: object) -> str:
+        """Name of an entry.
+
+        Parameters
+        ----------
+        content : bytes
+            The file that the scan is read from.
+        parameters : object
+            Whatever else decides what becomes of it, with a `repr` that says all.
+        """
+        digest = hashlib.sha256(f"{self.version}\n{parameters!r}\n".encode())
+        digest.update(content)
+        return digest.hexdigest()
+
+    def load(self, key: str) -> list[SegmentedObject] | None:
+        """The objects of an entry; None where there is none, or it is damaged."""
+        try:
+            with np.load(BytesIO(self._path(key).read_bytes()), allow_pickle=False) as arrays:
+                return [_unpack(f"{index}/", arrays) for index in range(int(arrays["n_objects"]))]
+        except Exception:
+            # Damage shows in many ways: the checksum, the header, a missing array. None of them matters, as
+            # the scan can be segmented anew.
+            return None
+
+    def store(self, key: str, objects: list[SegmentedObject]) -> None:
+        """Keep objects.
+
+        Raises
+        ------
+        OSError
+            If the folder cannot be written.
+        """
+        arrays = {"n_objects": np.array(len(objects))}
+        for index, one in enumerate(objects):
+            for field in fields(one):
+                value = getattr(one, field.name)
+                if value is not None:
+                    arrays[f"{index}/{field.name}"] = np.asarray(value)
+        content = BytesIO()
+        np.savez(content, **arrays)  # type: ignore[arg-type]
+        path = self._path(key)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(path, content.getvalue())
+
+    def _path(self, key: str) -> Path:
+        return self.folder / key[:2] / f"{key}.npz"
+
+
+def user_cache_folder() -> Path:
+    """Where the operating system wants a user's caches, with a folder for this package.
+
+    Raises
+    ------
+    OSError
+        If the user has no home folder.
+    """
+    try:
+        if sys.platform == "win32":
+            local = os.environ.get("LOCALAPPDATA")
+            parent = Path(local) if local else Path.home() / "AppData" / "Local"
+        elif sys.platform == "darwin":
+            parent = Path.home() / "Library" / "Caches"
+        else:
+            # A relative path is to be ignored, says the XDG specification.
+            wanted = os.environ.get("XDG_CACHE_HOME", "")
+            parent = Path(wanted) if os.path.isabs(wanted) else Path.home() / ".cache"
+    except RuntimeError as error:
+        raise OSError(str(error)) from None
+    return parent / "shapeconcepts"
+
+
+def code_fingerprint() -> str:
+    """Version of the package, and of the code that makes segmented objects of files."""
+    package = Path(__file__).resolve().parents[1]
+    digest = hashlib.sha256()
+    for pattern in _SOURCES:
+        for path in sorted(package.glob(pattern)):
+            digest.update(path.relative_to(package).as_posix().encode() + b"\0" + path.read_bytes())
+    return f"{__version__} {digest.hexdigest()}"
+
+
+def _unpack(prefix: str, arrays: np.lib.npyio.NpzFile) -> SegmentedObject:
+    values = {name.removeprefix(prefix): arrays[name] for name in arrays.files if name.startswith(prefix)}
+    scalars = {name: value.item() for name, value in values.items() if value.ndim == 0}
+    return SegmentedObject(**{**values, **scalars})
