@@ -28,13 +28,17 @@ SEGMENT_COLOURS: NDArray[np.uint8] = np.array(
 NO_SEGMENT_COLOUR: NDArray[np.uint8] = np.array((0xD5, 0xD7, 0xDB), dtype=np.uint8)
 
 
-def colours_of(labels: NDArray[np.integer]) -> NDArray[np.uint8]:
+def colours_of(
+    labels: NDArray[np.integer], colours: NDArray[np.uint8] = SEGMENT_COLOURS
+) -> NDArray[np.uint8]:
     """Colour of each label.
 
     Parameters
     ----------
     labels : (n,) int
-        Labels from 0; the colours repeat after twelve. A negative label is "none", light grey.
+        Labels from 0; the colours repeat after the last. A negative label is "none", light grey.
+    colours : (k, 3) uint8
+        Colours of the labels from 0; by default the twelve of segments.
 
     Returns
     -------
@@ -45,5 +49,5 @@ def colours_of(labels: NDArray[np.integer]) -> NDArray[np.uint8]:
     return np.where(
         labels[..., None] < 0,
         NO_SEGMENT_COLOUR,
-        SEGMENT_COLOURS[np.maximum(labels, 0) % len(SEGMENT_COLOURS)],
+        colours[np.maximum(labels, 0) % len(colours)],
     )

@@ -8,18 +8,17 @@ from os import PathLike
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFilter, ImageFont
+from PIL import Image, ImageDraw, ImageFilter
 
 from shapeconcepts.report.camera import view_axes
-from shapeconcepts.report.palette import colours_of
+from shapeconcepts.report.lettering import NOTE_COLOUR, TITLE_COLOUR, font_of, shorten
+from shapeconcepts.report.palette import SEGMENT_COLOURS, colours_of
 from shapeconcepts.report.splatting import Splats, splat
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 _SUPERSAMPLING = 2
 _MARGIN = 0.05
 _CAPTION_HEIGHT = 0.13
-_TITLE_COLOUR = (0x26, 0x2B, 0x33)
-_NOTE_COLOUR = (0x7A, 0x82, 0x8C)
 _AMBIENT = 0.6
 _PIXELS_PER_VOXEL = 5
 _OUTLINE_COVERAGE = 0.25
@@ -88,6 +87,7 @@ def draw_points(
     title: str = "",
     note: str = "",
     size: int = 480,
+    colours: NDArray[np.uint8] = SEGMENT_COLOURS,
 ) -> Image.Image:
     """Draw labelled points with normals as a closed, shaded surface.
 
@@ -105,6 +105,8 @@ def draw_points(
         Caption, dark and grey. It is shortened to the width of the picture.
     size : int
         Width of the picture, pixels; the caption makes it a little higher.
+    colours : (k, 3) uint8
+        Colours of the labels from 0.
 
     Raises
     ------
@@ -118,7 +120,7 @@ def draw_points(
     if size < 64:
         raise ValueError(f"size must be at least 64 pixels, got {size!r}")
     axes = view_axes(points, normals, viewpoint)
-    surface = _draw_surface(points @ axes.T, normals @ axes.T, labels, voxel_size, size)
+    surface = _draw_surface(points @ axes.T, normals @ axes.T, labels, voxel_size, size, colours)
 
     caption_height = round(_CAPTION_HEIGHT * size) if title or note else 0
     picture = Image.new("RGB", (size, size + caption_height), "white")
@@ -158,6 +160,7 @@ def _draw_surface(
     labels: NDArray[np.integer],
     voxel_size: float,
     size: int,
+    palette: NDArray[np.uint8],
 ) -> Image.Image:
     """Square picture of points whose axes are right, up and towards the camera."""
     low, high = points.min(axis=0), points.max(axis=0)
@@ -171,7 +174,7 @@ def _draw_surface(
     splats = splat(placed, normals * (1, -1, 1), labels, voxel_size * grid / extent, (grid, grid))
 
     colours = _shade(
-        _enlarge_labels(splats, fine), np.stack([_enlarge(axis, fine) for axis in splats.normals])
+        _enlarge_labels(splats, fine), np.stack([_enlarge(axis, fine) for axis in splats.normals]), palette
     )
     colours[_enlarge(splats.coverage, fine) < _OUTLINE_COVERAGE] = 255
     return Image.fromarray(colours).resize((size, size), Image.Resampling.BOX)
@@ -192,12 +195,14 @@ def _enlarge_labels(splats: Splats, size: int) -> NDArray[np.int32]:
     return labels
 
 
-def _shade(labels: NDArray[np.int32], normals: NDArray[np.float32]) -> NDArray[np.uint8]:
+def _shade(
+    labels: NDArray[np.int32], normals: NDArray[np.float32], palette: NDArray[np.uint8]
+) -> NDArray[np.uint8]:
     """Colours under a light from the upper left, with white lines between segments."""
     x, y, z = normals / np.maximum(np.linalg.norm(normals, axis=0), np.float32(1e-6))
     lit = np.clip(-0.36 * x - 0.52 * y + 0.775 * z, 0, 1)[..., None]
     gloss = np.clip(-0.19 * x - 0.28 * y + 0.941 * z, 0, 1)[..., None] ** 40
-    colours = colours_of(labels).astype(np.float32) * (_AMBIENT + (1.06 - _AMBIENT) * lit)
+    colours = colours_of(labels, palette).astype(np.float32) * (_AMBIENT + (1.06 - _AMBIENT) * lit)
     colours += (255 - colours) * (0.22 * gloss)
     colours[_borders(labels)] = 255
     return colours.clip(0, 255).round().astype(np.uint8)
@@ -214,16 +219,12 @@ def _borders(labels: NDArray[np.int32]) -> NDArray[np.bool_]:
 
 def _write_caption(picture: Image.Image, title: str, note: str, size: int) -> None:
     """Title and note, centred on one line below the picture."""
-    font = ImageFont.load_default(size=max(10, round(0.042 * size)))
+    font = font_of(max(10, round(0.042 * size)))
     draw = ImageDraw.Draw(picture)
     gap = "   " if title and note else ""
-    available = 0.96 * size - draw.textlength(gap + note, font=font)
-    if draw.textlength(title, font=font) > available:
-        while title and draw.textlength("…" + title, font=font) > available:
-            title = title[1:]
-        title = "…" + title
+    title = shorten(title, font, 0.96 * size - draw.textlength(gap + note, font=font))
     title_width = draw.textlength(title + gap, font=font)
     left = (size - title_width - draw.textlength(note, font=font)) / 2
     middle = (size + picture.height) / 2
-    draw.text((left, middle), title, fill=_TITLE_COLOUR, font=font, anchor="lm")
-    draw.text((left + title_width, middle), note, fill=_NOTE_COLOUR, font=font, anchor="lm")
+    draw.text((left, middle), title, fill=TITLE_COLOUR, font=font, anchor="lm")
+    draw.text((left + title_width, middle), note, fill=NOTE_COLOUR, font=font, anchor="lm")

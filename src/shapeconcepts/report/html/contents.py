@@ -1,0 +1,116 @@
+"""What a report shows, as plain lists that its page draws."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts import __version__
+from shapeconcepts.model import ShapeConceptModel
+from shapeconcepts.report.html.filtration_layout import lay_out_filtration
+from shapeconcepts.report.html.ranking import RankedConcept, rank_concepts
+from shapeconcepts.report.html.scan_preview import ScanPreview
+from shapeconcepts.report.html.tree_layout import lay_out_tree
+from shapeconcepts.report.palette import NO_SEGMENT_COLOUR, SEGMENT_COLOURS
+from shapeconcepts.topology import Filtration
+from shapeconcepts.topology.divergence import jensen_shannon_divergences
+
+# All previews of a page together, so that the file stays under 25 MB however many scans there are.
+LARGEST_PREVIEWS = 15_000_000
+_BYTES_PER_ELEMENT = 6
+
+
+def report_contents(
+    model: ShapeConceptModel,
+    previews: Sequence[ScanPreview | None],
+    unread: Sequence[tuple[str, str]],
+    title: str,
+) -> dict[str, Any]:
+    """Everything that the page needs, ready for JSON.
+
+    Parameters are those of `write_report`.
+    """
+    labels = sorted({label for label in model.scan_labels_ if label is not None})
+    ranked = rank_concepts(model.concepts_, model.scan_labels_)
+    return {
+        "title": title,
+        "version": __version__,
+        "parameters": [[name, _shown(value)] for name, value in model.get_params(deep=False).items()],
+        "segmentColours": [_hexadecimal(c) for c in [*SEGMENT_COLOURS, NO_SEGMENT_COLOUR]],
+        "labels": labels,
+        "scans": _scans(model, previews, labels),
+        "concepts": [_concept(model, one, labels) for one in ranked],
+        "filtration": _filtration(model.filtration_),
+        "skipped": [[model.scan_names_[i] or f"scan {i}", why] for i, why in sorted(model.skipped_.items())],
+        "unread": [[str(file), str(reason)] for file, reason in unread],
+    }
+
+
+def _scans(
+    model: ShapeConceptModel, previews: Sequence[ScanPreview | None], labels: list[str]
+) -> dict[str, Any]:
+    number = {label: i for i, label in enumerate(labels)}
+    n_shown = max(sum(one is not None for one in previews), 1)
+    n_points = max(LARGEST_PREVIEWS // (_BYTES_PER_ELEMENT * n_shown), 1)
+    thinned = [one and one.thinned(n_points) for one in previews]
+    return {
+        "names": [name or f"scan {i}" for i, name in enumerate(model.scan_names_)],
+        "labels": [-1 if label is None else number[label] for label in model.scan_labels_],
+        "vertices": model.filtration_.space_.vertices_.tolist(),
+        "skipped": sorted(model.skipped_),
+        "previews": [one and base64.b64encode(one.to_bytes()).decode("ascii") for one in thinned],
+        "extents": [one and round(one.extent, 4) for one in thinned],
+        "spacings": [one and round(one.spacing, 5) for one in thinned],
+    }
+
+
+def _concept(model: ShapeConceptModel, ranked: RankedConcept, labels: list[str]) -> dict[str, Any]:
+    concept = ranked.concept
+    rows = model.stimuli_[concept.members]
+    distances = jensen_shannon_divergences(rows, model.stimuli_[[concept.medoid]])[:, 0]
+    distances[concept.members == concept.medoid] = -1
+    return {
+        "number": ranked.number,
+        "name": concept.name,
+        "members": concept.members[np.argsort(distances, kind="stable")].tolist(),
+        "birth": _rounded(concept.birth),
+        "death": _rounded(concept.death) if np.isfinite(concept.death) else None,
+        "score": round(ranked.score, 2),
+        "purity": ranked.purity,
+        "mix": [[labels.index(label), count] for label, count in ranked.label_counts],
+    }
+
+
+def _filtration(filtration: Filtration) -> dict[str, Any]:
+    space = filtration.space_
+    n_vertices = len(space.multiplicities_)
+    step_ends, counts = filtration.annexations()
+    epsilon_max = filtration.epsilon_max_
+    return {
+        "tree": _rounded(lay_out_tree(space.edges_, n_vertices)),
+        "heat": _rounded(space.vertex_heat_),
+        "edges": filtration.edges_.tolist(),
+        "times": filtration.times_.tolist(),
+        "annexations": filtration.annexations_.tolist(),
+        "graph": _rounded(lay_out_filtration(filtration.annexations_, filtration.times_, n_vertices)),
+        "stepEnds": step_ends.tolist(),
+        "stepCounts": counts.tolist(),
+        "epsilonMax": epsilon_max,
+        "minSize": int(filtration.min_concept_size),
+    }
+
+
+def _shown(value: object) -> str:
+    return value if isinstance(value, str) else repr(value)
+
+
+def _rounded(values: NDArray[np.float64] | float) -> Any:
+    return np.round(values, 4).tolist()
+
+
+def _hexadecimal(colour: NDArray[np.uint8]) -> str:
+    return "#" + "".join(f"{int(channel):02x}" for channel in colour)

@@ -1,0 +1,127 @@
+// A graph whose vertices are places of the topological space: the spanning tree, and F.
+const COLD = [38, 70, 140], MILD = [190, 176, 160], HOT = [236, 112, 20];
+function heatColour(heat) {
+  const [from, to, share] = heat < 0.5 ? [COLD, MILD, 2 * heat] : [MILD, HOT, 2 * heat - 1];
+  return `rgb(${from.map((c, i) => Math.round(c + (to[i] - c) * share)).join(",")})`;
+}
+function vertexColour(vertex) {
+  if (state.colouring === "heat") return heatColour(filtration.heat[vertex]);
+  if (state.colouring === "label") return labelColour(scans.labels[scansAt[vertex][0]]);
+  return conceptColour(rankOfVertex[vertex]);
+}
+const vertexNote = (vertex) => {
+  const others = scansAt[vertex].length - 1;
+  return `heat ${filtration.heat[vertex].toFixed(2)}` + (others ? ` · ${plural(others, "equal scan")} here too` : "");
+};
+
+// Edges within a concept: a broad stroke along them shows it as a region.
+function stroke(context, pairs, at) {
+  context.beginPath();
+  for (const [a, b] of pairs) { context.moveTo(...at(a)); context.lineTo(...at(b)); }
+  context.stroke();
+}
+
+class DotMap {
+  // place: size of the canvas -> function from a vertex to its place; backdrop: drawn first.
+  constructor(canvas, { pairs, place, backdrop }) {
+    Object.assign(this, { canvas, pairs, place, backdrop });
+    const grouped = Map.groupBy
+      ? Map.groupBy(pairs, ([a, b]) => (rankOfVertex[a] === rankOfVertex[b] ? rankOfVertex[a] : -1))
+      : pairs.reduce((groups, pair) => {
+        const rank = rankOfVertex[pair[0]] === rankOfVertex[pair[1]] ? rankOfVertex[pair[0]] : -1;
+        return groups.set(rank, [...(groups.get(rank) ?? []), pair]);
+      }, new Map());
+    this.regions = concepts.map((_, rank) => grouped.get(rank) ?? []);
+    canvas.addEventListener("pointermove", (event) => this.point(event));
+    canvas.addEventListener("pointerleave", () => { showTip(null); change({ hovered: null }); });
+    canvas.addEventListener("click", (event) => {
+      const vertex = this.point(event);
+      const rank = vertex === null ? -1 : rankOfVertex[vertex];
+      if (rank < 0) change({ selected: null });
+      else toggle(rank);
+    });
+    onChange(() => this.draw());
+    new ResizeObserver(() => this.draw()).observe(canvas);
+  }
+
+  point(event) {
+    const vertex = this.nearest(event.offsetX, event.offsetY);
+    if (vertex === null) showTip(null);
+    else showTip(scansAt[vertex][0], event.clientX, event.clientY, vertexNote(vertex));
+    this.canvas.style.cursor = vertex === null ? "" : "pointer";
+    change({ hovered: vertex === null || rankOfVertex[vertex] < 0 ? null : rankOfVertex[vertex] });
+    return vertex;
+  }
+
+  nearest(x, y) {
+    let best = null, reach = 16 ** 2;
+    for (let vertex = 0; vertex < nVertices; vertex++) {
+      const [vx, vy] = this.at(vertex);
+      const square = (vx - x) ** 2 + (vy - y) ** 2;
+      if (square < reach) { best = vertex; reach = square; }
+    }
+    return best;
+  }
+
+  draw() {
+    const width = this.canvas.clientWidth, height = this.canvas.clientHeight;
+    if (!width || !height) return;
+    const context = sharpContext(this.canvas, width, height);
+    this.at = this.place(width, height);
+    const chosen = highlighted();
+    const dot = Math.max(2.1, Math.min(6, 70 / Math.sqrt(nVertices))) * (width < 500 ? 0.75 : 1);
+    context.lineCap = context.lineJoin = "round";
+    this.backdrop?.(context, width, height);
+    this.drawRegions(context, chosen, dot);
+    const nJoined = filtration.times.filter((time) => time <= state.time).length;
+    context.lineWidth = 1;
+    context.strokeStyle = FAINT;
+    stroke(context, this.pairs.slice(nJoined), this.at);
+    context.lineWidth = dot > 3 ? 1.6 : 1.1;
+    context.strokeStyle = chosen === null ? "#6b7280" : "#a3a7b0";
+    stroke(context, this.pairs.slice(0, nJoined), this.at);
+    this.drawDots(context, chosen, dot);
+    this.drawNumbers(context, chosen);
+  }
+
+  drawRegions(context, chosen, dot) {
+    this.regions.forEach((pairs, rank) => {
+      context.globalAlpha = chosen === null ? 0.2 : chosen === rank ? 0.45 : 0.06;
+      context.lineWidth = 5.2 * dot;
+      context.strokeStyle = conceptColour(rank);
+      stroke(context, pairs, this.at);
+    });
+    context.globalAlpha = 1;
+  }
+
+  drawDots(context, chosen, dot) {
+    for (let vertex = 0; vertex < nVertices; vertex++) {
+      const isChosen = chosen !== null && rankOfVertex[vertex] === chosen;
+      const radius = dot * Math.sqrt(Math.min(scansAt[vertex].length, 25)) * (isChosen ? 1.25 : 1);
+      context.globalAlpha = chosen === null || isChosen ? 1 : 0.28;
+      context.beginPath();
+      context.arc(...this.at(vertex), radius, 0, 2 * Math.PI);
+      context.fillStyle = vertexColour(vertex);
+      context.fill();
+      context.lineWidth = isChosen ? 1.2 : 0.7;
+      context.strokeStyle = isChosen ? INK : "#fff";
+      context.stroke();
+    }
+    context.globalAlpha = 1;
+  }
+
+  drawNumbers(context, chosen) {
+    context.font = "600 12px system-ui, sans-serif";
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    concepts.forEach((concept, rank) => {
+      if (chosen !== null && chosen !== rank) return;
+      const [x, y] = this.at(scans.vertices[concept.members[0]]);
+      context.lineWidth = 4;
+      context.strokeStyle = "#ffffffe6";
+      context.strokeText(concept.number, x, y - 12);
+      context.fillStyle = INK;
+      context.fillText(concept.number, x, y - 12);
+    });
+  }
+}

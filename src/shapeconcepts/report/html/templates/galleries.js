@@ -1,0 +1,94 @@
+// Each concept with all its scans, and those in none.
+const FIRST = 12;
+
+function gallery(group, firstNote) {
+  const grid = element("div", { className: "gallery" });
+  const figure = (scan, at) => {
+    const label = scans.labels[scan];
+    const made = element("figure", { tabIndex: at === 0 ? 0 : -1, ariaLabel: scans.names[scan] },
+      scans.previews[scan] === null ? element("div", { className: "scan missing", textContent: "no picture" })
+        : scanCanvas(scan, () => openViewer(group, at)),
+      element("figcaption", {},
+        label < 0 ? "" : element("span", { className: "key", title: labels[label], style: { background: labelColour(label) } }),
+        named(scans.names[scan])));
+    if (at === 0 && firstNote) made.append(element("span", { className: "badge", textContent: firstNote }));
+    return made;
+  };
+  // One stop of the Tab key; arrows walk, Enter opens.
+  grid.addEventListener("keydown", (event) => {
+    const all = [...grid.children], at = all.indexOf(event.target);
+    const to = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: all.length - 1 }[event.key];
+    if (event.key === "Enter" && at >= 0) openViewer(group, at);
+    else if (to !== undefined && all[to]) { event.target.tabIndex = -1; all[to].tabIndex = 0; all[to].focus(); } else return;
+    event.preventDefault();
+  });
+  grid.append(...group.slice(0, FIRST).map(figure));
+  if (group.length <= FIRST + 2) {
+    grid.append(...group.slice(FIRST).map((scan, i) => figure(scan, FIRST + i)));
+    return element("div", {}, grid);
+  }
+  const more = element("button", { className: "more", textContent: `Show all ${group.length}`, onclick: () => {
+    grid.append(...group.slice(FIRST).map((scan, i) => figure(scan, FIRST + i)));
+    grid.children[FIRST].focus({ preventScroll: true });
+    more.remove();
+  } });
+  return element("div", {}, grid, more);
+}
+
+function lifetimeBar(rank) {
+  const concept = concepts[rank], death = concept.death ?? 1;
+  return element("span", { className: "life", title: "The strip is time from 0 to 1; the bar is this concept's lifetime, the mark ε_max." },
+    element("span", { className: "life-bar", style: { left: `${100 * concept.birth}%`,
+      width: `${Math.max(1, 100 * (death - concept.birth))}%`, background: conceptColour(rank) } }),
+    element("span", { className: "life-mark", style: { left: `${100 * filtration.epsilonMax}%` } }));
+}
+
+function conceptCard(rank) {
+  const concept = concepts[rank], size = concept.members.length;
+  const mix = concept.mix.slice(0, 5).map(([label, n]) => `${n} ${labels[label]}`).join(", ") + (concept.mix.length > 5 ? " …" : "");
+  const death = concept.death === null ? "never dies" : `dies at ${concept.death.toFixed(2)}`;
+  const card = element("article", { id: `concept-${rank}`, className: "card", style: { "--colour": conceptColour(rank) } },
+    element("header", {},
+      element("h3", {}, element("span", { className: "number", textContent: concept.number }), named(conceptName(rank))),
+      element("button", { className: "find", textContent: "find it in the figures", onclick: () => {
+        change({ selected: rank });
+        document.getElementById("how").scrollIntoView({ behavior: "smooth" });
+      } })),
+    element("dl", {},
+      element("div", {}, element("dt", { textContent: "scans" }), element("dd", { textContent: size })),
+      element("div", {}, element("dt", { textContent: "lifetime" }), element("dd", {}, lifetimeBar(rank),
+        element("span", { className: "quiet", textContent: `born at ${concept.birth.toFixed(2)}, ${death}` }))),
+      hasLabels ? element("div", {}, element("dt", { textContent: "labels" }), element("dd", {}, mixBar(concept),
+        element("span", { className: "quiet", textContent: concept.mix.length ? `${mix} · purity ${percent(concept.purity)}` : "none" }))) : ""),
+    gallery(concept.members, "medoid"));
+  onChange(() => card.classList.toggle("is-lit", state.selected === rank));
+  return card;
+}
+
+function fillConcepts(section) {
+  if (concepts.length === 0) return;
+  section.append(element("h2", { textContent: "The concepts, one by one" }),
+    element("p", { textContent: `${hasLabels ? "The best rank score" : "The largest size × lifetime"} first. In each, the medoid leads and the others `
+      + "follow by how much they are like it, so the odd ones out stand last. One colour is one surface that the scan "
+      + "was cut into. Drag to turn, click to enlarge." }),
+  ...concepts.map((_, rank) => conceptCard(rank)));
+}
+
+function fillOutside(section) {
+  const skipped = new Set(scans.skipped);
+  const all = Array.from({ length: nScans }, (_, scan) => scan).filter((scan) => rankOfScan[scan] < 0 && !skipped.has(scan));
+  const loners = all.filter((scan) => scans.vertices[scan] >= 0), mute = all.filter((scan) => scans.vertices[scan] < 0);
+  if (loners.length) {
+    section.append(element("h2", { textContent: "In no concept" }),
+      element("p", { textContent: concepts.length
+        ? `${plural(loners.length, "scan")} had not joined ${filtration.minSize - 1} others or more by the time ε_max. Their shapes are rare here, `
+          + "in between, or were seen badly. Later in time all of them are annexed by something."
+        : "There are no concepts, so all scans are here." }),
+      element("div", { className: "card" }, gallery(loners)));
+  }
+  if (mute.length) {
+    section.append(element("h2", { textContent: "Without a place" }),
+      element("p", { textContent: `${plural(mute.length, "scan")} share no motif with any other scan: nothing to compare, so no place in the tree.` }),
+      element("div", { className: "card" }, gallery(mute)));
+  }
+}

@@ -1,0 +1,87 @@
+// The spanning tree and the filtration graph F.
+function mapFigure(heading, text, canvasLabel, options) {
+  const canvas = element("canvas", { className: "map", role: "img", ariaLabel: canvasLabel });
+  const figure = element("figure", {}, element("h3", { textContent: heading }), canvas,
+    element("figcaption", { textContent: text }));
+  new DotMap(canvas, options);
+  return figure;
+}
+
+function treeFigure() {
+  const xs = filtration.tree.map(([x]) => x), ys = filtration.tree.map(([, y]) => y);
+  const [spanX, spanY] = [xs, ys].map((values) => values.reduce((m, v) => Math.max(m, Math.abs(v)), 0.5) * 2);
+  const place = (width, height) => {
+    // A tall window gets the tree upright.
+    const upright = height > width * 1.05 && spanX > spanY;
+    const scale = Math.min((width - 40) / (upright ? spanY : spanX), (height - 48) / (upright ? spanX : spanY), 60);
+    return (vertex) => {
+      const [x, y] = filtration.tree[vertex];
+      return upright ? [width / 2 + y * scale, height / 2 - x * scale] : [width / 2 + x * scale, height / 2 - y * scale];
+    };
+  };
+  return mapFigure("The spanning tree",
+    "Every dot is a scan; a line joins it to the one most like it, so that all hang together with the least "
+    + "difference in total. Only the pattern of the lines counts, not their length. Twigs at the rim are cold: their "
+    + "scans have close kin and little else. The middle, through which all paths run, is hot.",
+    `Spanning tree of ${nVertices} places`, { pairs: filtration.edges, place });
+}
+
+function graphFigure() {
+  const disc = (width, height) => [width / 2, height / 2, Math.min(width, height) / 2 - 24];
+  const place = (width, height) => {
+    const [cx, cy, r] = disc(width, height);
+    return (vertex) => [cx + r * filtration.graph[vertex][0], cy - r * filtration.graph[vertex][1]];
+  };
+  const backdrop = (context, width, height) => {
+    const [cx, cy, r] = disc(width, height);
+    const ring = (time, colour, line) => {
+      context.beginPath();
+      context.arc(cx, cy, r * Math.sqrt(1 - time), 0, 2 * Math.PI);
+      context.strokeStyle = colour;
+      context.lineWidth = line;
+      context.stroke();
+    };
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    context.font = "11px system-ui, sans-serif";
+    for (const time of [0, 0.25, 0.5, 0.75]) {
+      ring(time, "#eceae4", 1);
+      context.fillStyle = "#8b8f99";
+      context.fillText(time ? time : "time 0", cx, cy + r * Math.sqrt(1 - time) + 8);
+    }
+    if (filtration.epsilonMax !== null) {
+      context.setLineDash([5, 5]);
+      ring(filtration.epsilonMax, ACCENT, 1.2);
+      context.setLineDash([]);
+    }
+    ring(state.time, ACCENT, 2.2);
+  };
+  return mapFigure("The filtration graph F: who annexed whom",
+    "The same dots, now by the time at which each was annexed: early at the rim, late towards the middle, where the one "
+    + "is left that outlives all. A line leads to the class that did it. The orange circle is now: what hangs "
+    + "together outside of it is a group.",
+    `Filtration graph F with ${filtration.annexations.length} annexations`,
+    { pairs: filtration.annexations, place, backdrop });
+}
+
+// Groups at a time: how many classes, how many large enough, and the largest.
+function groupsAt(time) {
+  const parents = Int32Array.from({ length: nVertices }, (_, i) => i);
+  const sizes = Int32Array.from(scansAt, (here) => here.length);
+  const find = (v) => { while (parents[v] !== v) v = parents[v] = parents[parents[v]]; return v; };
+  let classes = nVertices;
+  filtration.edges.forEach(([a, b], i) => {
+    if (filtration.times[i] > time) return;
+    const [ra, rb] = [find(a), find(b)];
+    parents[rb] = ra;
+    sizes[ra] += sizes[rb];
+    classes -= 1;
+  });
+  let groups = 0, largest = 0;
+  for (let v = 0; v < nVertices; v++) {
+    if (parents[v] !== v) continue;
+    if (sizes[v] >= filtration.minSize) groups += 1;
+    largest = Math.max(largest, sizes[v]);
+  }
+  return { classes, groups, largest };
+}

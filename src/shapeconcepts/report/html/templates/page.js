@@ -1,0 +1,127 @@
+// The page from top to bottom.
+function fact(number, text) {
+  return element("div", { className: "fact" }, element("strong", { textContent: number }), element("span", { textContent: text }));
+}
+
+function fillHeader(header) {
+  const inConcepts = rankOfScan.filter((rank) => rank >= 0).length;
+  const nSkipped = contents.skipped.length, nUnread = contents.unread.length;
+  const outside = nScans - inConcepts - nSkipped;
+  header.append(
+    element("p", { className: "kicker", textContent: "shapeconcepts" }),
+    element("h1", {}, named(contents.title)),
+    element("p", { className: "lead", textContent: concepts.length
+      ? `Given ${plural(nScans + nUnread, "scan")} and no label, these shapes turned out to belong together.`
+      : `${plural(nScans + nUnread, "scan")}, and no group among them that holds its own.` }),
+    element("div", { className: "facts" },
+      fact(nScans + nUnread, nScans + nUnread === 1 ? "scan" : "scans"),
+      fact(concepts.length, concepts.length === 1 ? "concept" : "concepts"),
+      fact(inConcepts, "in a concept"),
+      fact(outside, "in none"),
+      fact(nSkipped + nUnread, "left out")));
+}
+
+function colouringChoice() {
+  const choices = [["concept", "concept"], ...(hasLabels ? [["label", "label"]] : []), ["heat", "heat"]];
+  const key = element("span", {});
+  const fillKey = () => {
+    if (state.colouring === "heat") {
+      key.replaceChildren(element("span", { className: "legend" }, "cold",
+        element("span", { className: "ramp", style: { background: `linear-gradient(to right, ${[0, 0.5, 1].map(heatColour).join(",")})` } }), "hot"));
+    } else if (state.colouring === "label") {
+      key.replaceChildren(legend(labels.map((label, i) => [labelColour(i), label])));
+    } else key.replaceChildren(element("span", { className: "quiet small", textContent: "grey: in no concept" }));
+  };
+  onChange(fillKey);
+  fillKey();
+  return element("fieldset", {}, element("legend", { textContent: "Colour by" }), ...choices.map(([value, text]) => element("label", {},
+    element("input", { type: "radio", name: "colouring", value, checked: value === state.colouring,
+      onchange: () => change({ colouring: value }) }), text)), key);
+}
+
+function timeControl() {
+  const slider = element("input", { type: "range", min: 0, max: 1, step: 0.001, ariaLabel: "Time of the filtration",
+    oninput: () => { stop(); change({ time: Number(slider.value) }); } });
+  const note = element("output", {});
+  let playing = null;
+  const stop = () => { cancelAnimationFrame(playing); playing = null; play.textContent = "▶ play"; };
+  const play = element("button", { textContent: "▶ play", onclick: () => {
+    if (playing !== null) { stop(); return; }
+    play.textContent = "❚❚ pause";
+    const start = performance.now(), from = state.time >= 1 ? 0 : state.time;
+    const advance = (now) => {
+      const time = Math.min(1, from + (now - start) / 9000);
+      change({ time });
+      if (time >= 1) stop();
+      else playing = requestAnimationFrame(advance);
+    };
+    playing = requestAnimationFrame(advance);
+  } });
+  const back = filtration.epsilonMax === null ? "" : element("button", { textContent: "to ε_max",
+    onclick: () => { stop(); change({ time: filtration.epsilonMax }); } });
+  const update = () => {
+    const { classes, groups, largest } = groupsAt(state.time);
+    slider.value = state.time;
+    note.textContent = `time ${state.time.toFixed(2)}: ${plural(classes, "class", "classes")}, of which ${groups} `
+      + `${groups === 1 ? "has" : "have"} at least ${filtration.minSize} scans; the largest has ${largest}`;
+  };
+  onChange(update);
+  update();
+  return element("div", { className: "time" }, play, slider, back, note);
+}
+
+function fillHow(section) {
+  if (nVertices < 2) return;
+  section.append(
+    element("div", { className: "narrow" }, element("h2", { textContent: "How they came about" }),
+      element("p", { textContent: "What each scan is made of becomes a vector of stimuli, and scans with like stimuli are neighbours. "
+        + "Then time runs: from the coldest twigs to the hot middle, neighbours join, and the larger group annexes the smaller. "
+        + "At time 0 every scan is alone, at time 1 all are one; the concepts lie in between. Pull the time and watch." })),
+    element("div", { className: "controls" }, timeControl(), colouringChoice()),
+    element("div", { className: "pair" }, treeFigure(), graphFigure()),
+    timelineFigure());
+}
+
+function table(title, rows) {
+  return element("div", { className: "card" }, element("h3", { textContent: title }), element("table", {},
+    ...rows.map(([name, text]) => element("tr", {}, element("th", { scope: "row" }, named(name)), element("td", {}, element("bdi", { textContent: text }))))));
+}
+
+function fillLeftOut(section) {
+  if (contents.skipped.length + contents.unread.length === 0) return;
+  section.append(element("h2", { textContent: "Left out" }));
+  if (contents.unread.length) section.append(table(`${plural(contents.unread.length, "file")} could not be read`, contents.unread));
+  if (contents.skipped.length) section.append(table(`${plural(contents.skipped.length, "scan")} could not be cut into surfaces`, contents.skipped));
+}
+
+function fillMade(section) {
+  section.append(element("h2", { textContent: "How this was made" }),
+    table(`shapeconcepts ${contents.version}, with these parameters`, contents.parameters),
+    element("p", { className: "quiet", textContent: "The method is that of C. A. Mueller and A. Birk, Conceptualization of Object "
+      + "Compositions Using Persistent Homology, IROS 2018. This file needs no network." }));
+}
+
+function followSelection(bar) {
+  onChange(() => {
+    const rank = state.selected;
+    bar.hidden = rank === null;
+    if (rank === null) return;
+    const go = (id) => () => document.getElementById(id).scrollIntoView({ behavior: "smooth" });
+    bar.replaceChildren(element("span", { className: "key", style: { background: conceptColour(rank) } }), named(conceptName(rank)),
+      element("span", { className: "quiet", textContent: plural(concepts[rank].members.length, "scan") }),
+      element("button", { textContent: "figures", onclick: go("how") }),
+      element("button", { textContent: "its scans", onclick: go(`concept-${rank}`) }),
+      element("button", { textContent: "×", ariaLabel: "Let go of this concept", onclick: () => change({ selected: null }) }));
+  });
+  document.addEventListener("keydown", (event) => { if (event.key === "Escape" && !viewer.open) change({ selected: null }); });
+}
+
+fillHeader(document.getElementById("top"));
+fillGlance(document.getElementById("glance"));
+fillHow(document.getElementById("how"));
+fillConcepts(document.getElementById("concepts"));
+fillOutside(document.getElementById("outside"));
+fillLeftOut(document.getElementById("left-out"));
+fillMade(document.getElementById("made"));
+followSelection(document.getElementById("selection"));
+document.documentElement.dataset.ready = Math.round(performance.now());

@@ -1,0 +1,79 @@
+// What is shown, what is highlighted, and who wants to know.
+const contents = JSON.parse(document.getElementById("contents").textContent);
+const { scans, concepts, filtration, labels } = contents;
+const hasLabels = labels.length > 0;
+const nVertices = filtration.heat.length;
+const nScans = scans.names.length;
+
+// Categorical colours that colour-blind readers tell apart too (P. Tol's "muted", and Okabe and Ito's).
+// Numbers say what colours cannot where there are more concepts than colours.
+const CONCEPT_COLOURS = ["#332288", "#cc6677", "#117733", "#ddaa33", "#88ccee", "#882255", "#44aa99", "#999933", "#aa4499", "#3f78c9"];
+const LABEL_COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#b8a800", "#4b3f72", "#7a5c3e", "#8fbf9f", "#b24c63", "#5f6b7a"];
+const NONE_COLOUR = "#b9bcc4", INK = "#1d2433", FAINT = "#d9dade", ACCENT = "#c2410c";
+const conceptColour = (rank) => (rank < 0 ? NONE_COLOUR : CONCEPT_COLOURS[rank % CONCEPT_COLOURS.length]);
+const labelColour = (label) => (label < 0 ? NONE_COLOUR : LABEL_COLOURS[label % LABEL_COLOURS.length]);
+const conceptName = (rank) => concepts[rank].name || `concept ${concepts[rank].number}`;
+const lifetime = (concept) => (concept.death === null ? 1 : concept.death) - concept.birth;
+
+// Rank of each scan's and each vertex's concept, -1 for none; scans at each vertex.
+const rankOfScan = new Int32Array(nScans).fill(-1);
+concepts.forEach((concept, rank) => concept.members.forEach((scan) => { rankOfScan[scan] = rank; }));
+const rankOfVertex = new Int32Array(nVertices).fill(-1);
+const scansAt = Array.from({ length: nVertices }, () => []);
+scans.vertices.forEach((vertex, scan) => {
+  if (vertex < 0) return;
+  scansAt[vertex].push(scan);
+  rankOfVertex[vertex] = rankOfScan[scan];
+});
+
+const state = { hovered: null, selected: null, time: filtration.epsilonMax ?? 1, colouring: "concept" };
+const listeners = [];
+let isDrawing = false;
+function onChange(listener) { listeners.push(listener); }
+function change(values) {
+  if (Object.keys(values).every((key) => state[key] === values[key])) return;
+  Object.assign(state, values);
+  if (isDrawing) return;
+  isDrawing = true;
+  requestAnimationFrame(() => { isDrawing = false; listeners.forEach((listener) => listener()); });
+}
+const highlighted = () => state.hovered ?? state.selected;
+const toggle = (rank) => change({ selected: state.selected === rank ? null : rank });
+
+// Text is only ever set as text: names come from files.
+function element(tag, properties = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (name === "style") for (const [key, v] of Object.entries(value)) made.style.setProperty(key, v);
+    else if (name.startsWith("on")) made.addEventListener(name.slice(2), value);
+    else if (name in made && name !== "list") made[name] = value;
+    else made.setAttribute(name, value);
+  }
+  made.append(...children.filter((child) => child !== null && child !== undefined && child !== ""));
+  return made;
+}
+const named = (text, className = "") => element("bdi", { className, textContent: text, title: text });
+const plural = (n, one, many = one + "s") => `${n.toLocaleString("en")} ${n === 1 ? one : many}`;
+const percent = (share) => `${Math.round(100 * share)} %`;
+
+// A canvas as sharp as the screen; returns its context in CSS pixels.
+function sharpContext(canvas, width, height) {
+  const ratio = Math.min(window.devicePixelRatio || 1, 2);
+  const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== w || canvas.height !== h) { canvas.width = w; canvas.height = h; }
+  const context = canvas.getContext("2d");
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, width, height);
+  return context;
+}
+
+// Bar of label proportions.
+function mixBar(concept) {
+  const size = concept.members.length;
+  const unlabelled = size - concept.mix.reduce((sum, [, n]) => sum + n, 0);
+  const parts = unlabelled ? [...concept.mix, [-1, unlabelled]] : concept.mix;
+  return element("span", { className: "mix" }, ...parts.map(([label, n]) => element("span", {
+    title: `${label < 0 ? "no label" : labels[label]}: ${n} of ${size}`,
+    style: { "flex-grow": n, background: labelColour(label) },
+  })));
+}
