@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from itertools import pairwise
 from numbers import Integral, Real
 from typing import TypeVar
 
@@ -24,6 +25,7 @@ from shapeconcepts.motifs.stimuli import Activation, sparse_rows, stimuli_rows
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 
 class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
@@ -248,9 +250,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
                     f"got {type(one).__name__} at position {position}"
                 )
         descriptor = get_descriptor(self.descriptor)
-        chunks = _chunks(objects, self.n_jobs)
-        described = Parallel(self.n_jobs)(delayed(_describe_all)(chunk, descriptor) for chunk in chunks)
-        flat = [one for chunk in described for one in chunk]
+        flat = _in_chunks(_describe_all, objects, self.n_jobs, None, descriptor)
         n_bins = sorted({one.description.n_bins for one in flat})
         if len(n_bins) > 1:
             raise ValueError(f"X must hold objects described by one number of bins, got {n_bins}")
@@ -260,11 +260,9 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         column_of = np.full(self.hierarchies_.n_vertices, -1, np.int32)
         column_of[self.columns_] = np.arange(len(self.columns_))
         # The kernels run without Python's lock, so threads do, and nothing is copied.
-        rows = Parallel(self.n_jobs, prefer="threads")(
-            delayed(stimuli_rows)(chunk, self.hierarchies_, column_of, float(self.bandwidth))
-            for chunk in _chunks(activations, self.n_jobs)
-        )
-        return sparse_rows([row for chunk in rows for row in chunk], len(self.columns_))
+        known = (self.hierarchies_, column_of, float(self.bandwidth))
+        rows = _in_chunks(stimuli_rows, activations, self.n_jobs, "threads", *known)
+        return sparse_rows(rows, len(self.columns_))
 
     def _check_parameters(self) -> None:
         if isinstance(self.bandwidth, bool) or not isinstance(self.bandwidth, Real) or not self.bandwidth > 0:
@@ -288,10 +286,23 @@ def _columns(hierarchies: MotifHierarchies, min_support: int) -> NDArray[np.int6
     return supported[order]
 
 
-def _chunks(items: list[Item], n_jobs: int | None) -> list[list[Item]]:
-    """Equal shares, several for each job, so that none waits for another for long."""
-    n_chunks = min(len(items), 4 * effective_n_jobs(n_jobs))
-    return [items[i * len(items) // n_chunks : (i + 1) * len(items) // n_chunks] for i in range(n_chunks)]
+def _in_chunks(
+    function: Callable[..., list[Result]],
+    items: list[Item],
+    n_jobs: int | None,
+    prefer: str | None,
+    *arguments: object,
+) -> list[Result]:
+    """Apply a function of a list to equal shares of it, several for each job, so that none waits for long."""
+    n_jobs = effective_n_jobs(n_jobs)
+    if n_jobs == 1 or len(items) < 2:
+        return function(items, *arguments)
+    n_chunks = min(len(items), 4 * n_jobs)
+    bounds = [i * len(items) // n_chunks for i in range(n_chunks + 1)]
+    chunks = Parallel(n_jobs, prefer=prefer)(
+        delayed(function)(items[start:end], *arguments) for start, end in pairwise(bounds)
+    )
+    return [result for chunk in chunks for result in chunk]
 
 
 def _describe_all(

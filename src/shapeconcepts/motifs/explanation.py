@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.propagation import Propagation
 from shapeconcepts.motifs.stimuli import SMALLEST_STIMULUS, constellation_stimuli
-from shapeconcepts.motifs.stimulus_kernels import jensen_shannon, negative_entropies
+from shapeconcepts.motifs.stimulus_kernels import divergences_to, negative_entropies
 
 N_CLOSEST = 5
 
@@ -160,10 +160,9 @@ def _closest(
     histogram: NDArray[np.float32], behind: NDArray[np.int32], hierarchies: MotifHierarchies
 ) -> tuple[SimilarPrototype, ...]:
     entropy = negative_entropies(histogram[None])[0]
-    divergences = [
-        jensen_shannon(histogram, hierarchies.prototypes[t], entropy, hierarchies.prototype_entropies[t])
-        for t in behind
-    ]
+    divergences = divergences_to(
+        histogram, entropy, behind, hierarchies.prototypes, hierarchies.prototype_entropies
+    )
     closest: dict[int, SimilarPrototype] = {}
     for k in np.argsort(divergences, kind="stable"):
         index = int(hierarchies.prototype_objects[behind[k]])

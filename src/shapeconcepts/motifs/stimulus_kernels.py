@@ -51,6 +51,22 @@ def jensen_shannon(
 
 
 @njit(cache=True, nogil=True)
+def divergences_to(
+    histogram: NDArray[np.float32],
+    entropy: float,
+    which: NDArray[np.int32],
+    prototypes: NDArray[np.float32],
+    prototype_entropies: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Jensen-Shannon divergence in bits of a histogram to some of the prototypes, (k,) float64."""
+    divergences = np.empty(len(which))
+    for k in range(len(which)):
+        t = which[k]
+        divergences[k] = jensen_shannon(histogram, prototypes[t], entropy, prototype_entropies[t])
+    return divergences
+
+
+@njit(cache=True, nogil=True)
 def mean_activations(
     histograms: NDArray[np.float32],
     activated: NDArray[np.int32],
