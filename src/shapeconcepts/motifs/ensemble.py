@@ -140,7 +140,8 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         """Add objects to what was learned before; the dictionary stays as it is.
 
         The first call learns the dictionary, like `fit`. Learning in parts gives the same hierarchies as
-        learning all at once with the same dictionary. Columns can appear and move: look them up by name.
+        learning all at once with the same dictionary. Columns can appear and move; what names a motif for
+        good is its dictionary level and its words.
 
         Parameters, errors and result are those of `fit`.
         """
@@ -240,6 +241,8 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
     def _described(
         self, X: Iterable[SegmentedObject | DescribedObject], *, allow_empty: bool = False
     ) -> list[DescribedObject]:
+        if not isinstance(X, Iterable):
+            raise ValueError(f"X must be a list or another iterable of objects, got one {type(X).__name__}")
         objects = list(X)
         if not objects and not allow_empty:
             raise ValueError("X must hold at least one object, got none")
@@ -249,8 +252,10 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
                     "X must hold objects of type SegmentedObject or DescribedObject, "
                     f"got {type(one).__name__} at position {position}"
                 )
-        descriptor = get_descriptor(self.descriptor)
-        flat = _in_chunks(_describe_all, objects, self.n_jobs, None, descriptor)
+        if all(isinstance(one, DescribedObject) for one in objects):
+            flat = objects
+        else:
+            flat = _in_chunks(_describe_all, objects, self.n_jobs, None, get_descriptor(self.descriptor))
         n_bins = sorted({one.description.n_bins for one in flat})
         if len(n_bins) > 1:
             raise ValueError(f"X must hold objects described by one number of bins, got {n_bins}")
@@ -265,7 +270,11 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         return sparse_rows(rows, len(self.columns_))
 
     def _check_parameters(self) -> None:
-        if isinstance(self.bandwidth, bool) or not isinstance(self.bandwidth, Real) or not self.bandwidth > 0:
+        if (
+            isinstance(self.bandwidth, bool)
+            or not isinstance(self.bandwidth, Real)
+            or not 0 < self.bandwidth < np.inf
+        ):
             raise ValueError(f"bandwidth must be a positive number, got {self.bandwidth!r}")
         if (
             isinstance(self.min_support, bool)

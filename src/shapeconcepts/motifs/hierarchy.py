@@ -26,7 +26,7 @@ class PrototypeLists(NamedTuple):
     prototypes: NDArray[np.int32]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class MotifHierarchies:
     """One motif hierarchy for each dictionary level (paper: Shape Motif Hierarchy Ensemble).
 
