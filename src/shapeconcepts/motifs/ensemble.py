@@ -252,9 +252,8 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
                     "X must hold objects of type SegmentedObject or DescribedObject, "
                     f"got {type(one).__name__} at position {position}"
                 )
-        if all(isinstance(one, DescribedObject) for one in objects):
-            flat = objects
-        else:
+        flat = [one for one in objects if isinstance(one, DescribedObject)]
+        if len(flat) < len(objects):
             flat = _in_chunks(_describe_all, objects, self.n_jobs, None, get_descriptor(self.descriptor))
         n_bins = sorted({one.description.n_bins for one in flat})
         if len(n_bins) > 1:
