@@ -1,0 +1,248 @@
+"""Checks of what a file holds, so that nothing in it can lead a kernel astray: the checksum may be forged."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from shapeconcepts.model_file.error import require
+from shapeconcepts.model_file.layout import FIELDS, Tensors, check_names
+from shapeconcepts.model_file.parameters import is_share
+from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
+
+# What float32 loses in the sum of a histogram.
+_SUM_TOLERANCE = 1e-4
+# Far above any scale of a component, far below what overflows when squared.
+_LARGEST_WEIGHT = 1e30
+
+
+def check_description(description: dict[str, Any], n_scans: int, n_concepts: int) -> None:
+    """Require names, labels and numbers of the right types and counts; not the parameters.
+
+    Raises
+    ------
+    ModelError
+    """
+    check_names("field", set(description), FIELDS - {"checksum"})
+    for field, length, allowed in [
+        ("scan_names", n_scans, (str,)),
+        ("scan_labels", n_scans, (str, type(None))),
+        ("concept_names", n_concepts, (str,)),
+    ]:
+        values = description[field]
+        is_list = isinstance(values, list) and len(values) == length
+        require(is_list, f"{field} must be a list of {length} names, got {_outline(values)}")
+        for position, value in enumerate(values):
+            require(isinstance(value, allowed), f"{field}[{position}] must be a string, got {value!r:.60}")
+    skipped = description["skipped"]
+    require(isinstance(skipped, list), f"skipped must be a list, got {_outline(skipped)}")
+    for entry in skipped:
+        is_pair = isinstance(entry, list) and len(entry) == 2
+        require(
+            is_pair and type(entry[0]) is int and isinstance(entry[1], str),
+            f"skipped must hold numbers of scans with a reason, got {entry!r:.60}",
+        )
+    numbers = [entry[0] for entry in skipped]
+    is_rising = numbers == sorted(set(numbers)) and all(0 <= number < n_scans for number in numbers)
+    require(
+        is_rising and len(numbers) < n_scans,
+        f"skipped must name some of the scans 0 to {n_scans - 1}, rising, got {numbers!r:.60}",
+    )
+    for field in ("epsilon_max", "largest_divergence"):
+        value = description[field]
+        require(
+            is_share(value) or (value is None and field == "epsilon_max"),
+            f"{field} must be a number from 0 to 1, got {value!r:.60}",
+        )
+
+
+def check_content(tensors: Tensors, skipped: list[int]) -> None:
+    """Require values in range, indices that lead somewhere, and a tree that is one.
+
+    Parameters
+    ----------
+    tensors : dict
+        Types and shapes as in the layout.
+    skipped : list of int
+        Rows of stimuli that must be empty.
+
+    Raises
+    ------
+    ModelError
+    """
+    _check_dictionary(tensors)
+    _check_motifs(tensors)
+    _check_prototypes(tensors, len(tensors["concepts.labels"]) - len(skipped))
+    _check_stimuli(tensors, skipped)
+    _check_space(tensors)
+    _check_concepts(tensors)
+    _check_response(tensors)
+
+
+def _check_dictionary(tensors: Tensors) -> None:
+    sizes, parents = tensors["dictionary.level_sizes"], tensors["dictionary.parents"]
+    n_words, n_bins = tensors["dictionary.words"].shape
+    require(len(sizes) >= 1 and n_bins >= 1, "holds no dictionary level or no bins")
+    _check_range(tensors, "dictionary.level_sizes", 1, n_words)
+    require(
+        int(sizes.sum()) == n_words,
+        f"tensor dictionary.level_sizes must sum to the {n_words} words, got {int(sizes.sum())}",
+    )
+    _check_range(tensors, "dictionary.words", 0, 1 + _SUM_TOLERANCE)
+    sizes_above = np.concatenate([[1], sizes[:-1]])
+    is_above = (parents >= 0) & (parents < np.repeat(sizes_above, sizes))
+    _require_all("dictionary.parents", is_above, parents, "words of the level above")
+    clusters = tensors["dictionary.clusters"]
+    _require_all("dictionary.clusters", (clusters >= 0) & (clusters < sizes), clusters, "words of each level")
+
+
+def _check_motifs(tensors: Tensors) -> None:
+    sizes = tensors["dictionary.level_sizes"]
+    levels, words, edges = (
+        tensors["motifs.dictionary_levels"], tensors["motifs.words"], tensors["motifs.edges"],
+    )  # fmt: skip
+    _check_range(tensors, "motifs.dictionary_levels", 1, len(sizes))
+    _check_range(tensors, "motifs.motif_levels", 1, MAX_SEGMENTS)
+    is_rising = (words[:, 1:] >= words[:, :-1]).all(axis=1)
+    in_range = (words[:, 0] >= -1) & (words[:, -1] >= 0) & (words[:, -1] < sizes[levels - 1])
+    _require_all("motifs.words", is_rising & in_range, words, "rising words of the motif's level")
+    n_distinct = len(np.unique(np.column_stack([levels, words]), axis=0))
+    require(n_distinct == len(words), "tensor motifs.words must hold every motif once")
+    _check_range(tensors, "motifs.edges", 0, len(levels) - 1)
+    same_level = levels[edges[:, 0]] == levels[edges[:, 1]]
+    _require_all(
+        "motifs.edges",
+        (edges[:, 0] <= edges[:, 1]) & same_level,
+        edges,
+        "rising pairs of motifs of one dictionary level",
+    )
+    _require_sorted("motifs.edges", edges)
+
+
+def _check_prototypes(tensors: Tensors, n_objects: int) -> None:
+    levels, motifs = tensors["motifs.dictionary_levels"], tensors["prototypes.motifs"]
+    objects, histograms = tensors["prototypes.objects"], tensors["prototypes.histograms"]
+    _check_range(tensors, "prototypes.histograms", 0, 1 + _SUM_TOLERANCE)
+    sums = histograms.sum(axis=1, dtype=np.float64)
+    _require_all(
+        "prototypes.histograms", (np.abs(sums - 1) < _SUM_TOLERANCE) | (sums == 0), sums, "rows of sum 1 or 0"
+    )
+    _check_range(tensors, "prototypes.motifs", 0, len(levels) - 1)
+    _require_all(
+        "prototypes.motifs",
+        levels[motifs] == np.arange(1, motifs.shape[1] + 1),
+        motifs,
+        "a motif of each dictionary level",
+    )
+    _check_range(tensors, "prototypes.objects", 0, n_objects - 1)
+    steps = np.diff(objects, prepend=-1, append=n_objects)
+    require(
+        bool(((steps == 0) | (steps == 1)).all()),
+        f"tensor prototypes.objects must rise from 0 to {n_objects - 1} without a gap",
+    )
+    _check_range(tensors, "prototypes.constellations", 1, 2**MAX_SEGMENTS - 1)
+    constellations, n_segments = tensors["prototypes.constellations"], len(tensors["dictionary.clusters"])
+    n_single = int((constellations & (constellations - 1) == 0).sum())
+    require(
+        n_single == n_segments,
+        f"tensor prototypes.constellations must hold {n_segments} segments, got {n_single}",
+    )
+
+
+def _check_stimuli(tensors: Tensors, skipped: list[int]) -> None:
+    motifs, lengths = tensors["stimuli.motifs"], tensors["stimuli.row_lengths"]
+    columns, values = tensors["stimuli.columns"], tensors["stimuli.values"]
+    _check_range(tensors, "stimuli.motifs", 0, len(tensors["motifs.words"]) - 1)
+    require(len(np.unique(motifs)) == len(motifs), "tensor stimuli.motifs must hold every column once")
+    _check_range(tensors, "stimuli.row_lengths", 0, len(values))
+    require(
+        int(lengths.sum()) == len(values),
+        f"tensor stimuli.row_lengths must sum to the {len(values)} entries, got {int(lengths.sum())}",
+    )
+    require(not lengths[skipped].any(), "tensor stimuli.row_lengths must be 0 for scans that were skipped")
+    _check_range(tensors, "stimuli.columns", 0, len(motifs) - 1)
+    row_of = np.repeat(np.arange(len(lengths)), lengths)
+    is_rising = (np.diff(columns) > 0) | (np.diff(row_of) > 0)
+    _require_all("stimuli.columns", is_rising, columns[1:], "rising columns in each row")
+    _check_range(tensors, "stimuli.values", 0, 1)
+    _require_all("stimuli.values", values > 0, values, "positive numbers")
+
+
+def _check_space(tensors: Tensors) -> None:
+    vertices, edges = tensors["space.vertices"], tensors["space.edges"]
+    is_placed = tensors["stimuli.row_lengths"] > 0
+    _require_all(
+        "space.vertices", (vertices >= 0) == is_placed, vertices, "-1 for empty rows, and only there"
+    )
+    n_vertices = len(edges) + 1 if (vertices >= 0).any() else 0
+    _check_range(tensors, "space.vertices", -1, n_vertices - 1)
+    require(
+        len(np.unique(vertices[vertices >= 0])) == n_vertices and len(edges) == max(n_vertices - 1, 0),
+        f"tensor space.edges must be a tree of the vertices in space.vertices, got {len(edges)} edges",
+    )
+    _check_range(tensors, "space.edges", 0, n_vertices - 1)
+    adjacency = coo_matrix((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), (n_vertices, n_vertices))
+    n_components = connected_components(adjacency, directed=False)[0] if n_vertices else 0
+    require(n_components <= 1, f"tensor space.edges must be a tree, got {n_components} components")
+    _require_all("space.edges", edges[:, 0] < edges[:, 1], edges, "the smaller vertex first")
+    _require_sorted("space.edges", edges)
+    _check_range(tensors, "space.divergences", 0, 1)
+
+
+def _check_concepts(tensors: Tensors) -> None:
+    labels, medoids = tensors["concepts.labels"], tensors["concepts.medoids"]
+    births, deaths = tensors["concepts.births"], tensors["concepts.deaths"]
+    n_concepts = len(medoids)
+    _check_range(tensors, "concepts.labels", -1, n_concepts - 1)
+    is_placed = tensors["space.vertices"] >= 0
+    _require_all("concepts.labels", (labels < 0) | is_placed, labels, "-1 for empty rows")
+    require(
+        len(np.unique(labels[labels >= 0])) == n_concepts,
+        f"tensor concepts.labels must name all of the {n_concepts} concepts",
+    )
+    _check_range(tensors, "concepts.medoids", 0, len(labels) - 1)
+    _require_all(
+        "concepts.medoids", labels[medoids] == np.arange(n_concepts), medoids, "a member of each concept"
+    )
+    _check_range(tensors, "concepts.births", 0, 1)
+    is_later = (deaths > births) & ((deaths <= 1) | (deaths == np.inf))
+    _require_all("concepts.deaths", is_later, deaths, "times after births, up to 1 or infinite")
+
+
+def _check_response(tensors: Tensors) -> None:
+    n_columns, n_components = tensors["response.whitening"].shape
+    require(
+        n_components <= n_columns,
+        f"tensor response.whitening must have at most {n_columns} components, has {n_components}",
+    )
+    _check_range(tensors, "response.mean", 0, 1)
+    _check_range(tensors, "response.whitening", -_LARGEST_WEIGHT, _LARGEST_WEIGHT)
+
+
+def _check_range(tensors: Tensors, name: str, smallest: float, largest: float) -> None:
+    values = tensors[name]
+    # Written so that NaN is out of range.
+    in_range = (values >= smallest) & (values <= largest)
+    if not in_range.all():
+        found = values[~in_range].flat[0]
+        require(False, f"tensor {name} must hold numbers from {smallest} to {largest}, got {found}")
+
+
+def _require_all(name: str, is_valid: NDArray[np.bool_], values: NDArray[Any], expected: str) -> None:
+    if not is_valid.all():
+        position = int(np.flatnonzero(~is_valid.reshape(len(is_valid), -1).all(axis=1))[0])
+        require(False, f"tensor {name} must hold {expected}, got {values[position]!s:.80}")
+
+
+def _require_sorted(name: str, edges: NDArray[np.int32]) -> None:
+    step = np.diff(edges, axis=0)
+    is_later = (step[:, 0] > 0) | ((step[:, 0] == 0) & (step[:, 1] > 0))
+    _require_all(name, is_later, edges[1:], "sorted pairs, each once")
+
+
+def _outline(value: object) -> str:
+    return f"a list of {len(value)}" if isinstance(value, list) else f"{value!r:.60}"

@@ -1,0 +1,98 @@
+"""A small model for the tests of model files, files with forged content, and a comparison to the last bit."""
+
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.sparse import issparse
+
+from shapeconcepts import DescribedObject, ModelError, Scan, ShapeConceptModel, load_model
+from shapeconcepts.descriptors import Description
+from shapeconcepts.model_file.container import read_container, write_container
+
+# Computed when they are first asked for.
+LAZY = {
+    "_training_stimuli",
+    "_stimuli_parameters",
+    "prototypes_of",
+    "prototype_entropies",
+    "support",
+    "_vertex_of",
+}
+
+
+def described_objects(n_per_kind: int, seed: int = 0) -> list[DescribedObject]:
+    """Objects of four kinds, with one to four segments in a row, in 12 bins."""
+    random = np.random.default_rng(seed)
+    objects = []
+    for number in range(4 * n_per_kind):
+        kind = number % 4
+        segments = random.random((kind + 1, 12)) * 0.3
+        segments[np.arange(kind + 1), 3 * kind + np.arange(kind + 1) % 3] += 2 + random.random()
+        edges = np.array([(i, i + 1) for i in range(kind)], np.int32).reshape(-1, 2)
+        label = None if number % 5 == 0 else f"kind {kind}"
+        objects.append(DescribedObject(Description(segments), edges, f"object {number}", label))
+    return objects
+
+
+def fitted_model(**parameters: Any) -> ShapeConceptModel:
+    """A model of 40 objects, the third of which could not be segmented, with a named concept."""
+    objects: list[object] = list(described_objects(10))
+    objects[2] = Scan(np.full((5, 3), np.nan), name="not\udcff a scan")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        model = ShapeConceptModel(**{"n_levels": 3, **parameters}).fit(objects)
+    for number, concept in enumerate(model.concepts_):
+        concept.name = f'näme "{number}"\n\udcff' if number == 1 else f"concept of kind {number}"
+    return model
+
+
+def forge(source: Path, target: Path, change: Callable[[dict[str, Any], dict[str, Any]], object]) -> Path:
+    """Change tensors or description of a model file; the checksum is right again."""
+    tensors, description = read_container(source)
+    change(tensors, description)
+    tensors = {name: np.ascontiguousarray(tensor) for name, tensor in tensors.items()}
+    write_container(target, tensors, description)
+    return target
+
+
+def differences(first: object, second: object, path: str = "model") -> list[str]:
+    """Where two objects differ in type, shape, order of memory, or any bit, all attributes included."""
+    if type(first) is not type(second):
+        return [f"{path}: {type(first)} and {type(second)}"]
+    if isinstance(first, np.ndarray) and isinstance(second, np.ndarray):
+        same = (
+            (first.dtype, first.shape, first.flags.c_contiguous)
+            == (second.dtype, second.shape, second.flags.c_contiguous)
+        ) and first.tobytes() == second.tobytes()
+        return [] if same else [path]
+    if issparse(first):
+        fields = ("shape", "data", "indices", "indptr")
+        return [d for f in fields for d in differences(getattr(first, f), getattr(second, f), f"{path}.{f}")]
+    if isinstance(first, list | tuple):
+        if len(first) != len(second):
+            return [f"{path}: {len(first)} and {len(second)} items"]
+        pairs = enumerate(zip(first, second, strict=True))
+        return [d for i, (a, b) in pairs for d in differences(a, b, f"{path}[{i}]")]
+    if hasattr(first, "__dict__"):
+        ours, theirs = vars(first).keys() - LAZY, vars(second).keys() - LAZY
+        found = [f"{path}: {name}" for name in ours ^ theirs]
+        for name in sorted(ours & theirs):
+            found += differences(getattr(first, name), getattr(second, name), f"{path}.{name}")
+        return found
+    return [] if first == second else [f"{path}: {first!r} and {second!r}"]
+
+
+def refusal(path: Path) -> str:
+    """What `load_model` says about a file; nothing but a ModelError is raised, and no warning."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(ModelError) as caught:
+            load_model(path)
+    message = str(caught.value)
+    assert message.startswith(f"{path}: ")
+    assert len(message) < len(str(path)) + 400
+    return message

@@ -1,0 +1,241 @@
+"""Content that does not fit is refused even under a checksum that is right: kernels do not check bounds."""
+
+import json
+import random
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from model_file_examples import described_objects, differences, fitted_model, forge, refusal
+from shapeconcepts import ModelError, load_model
+from shapeconcepts.model_file.layout import LAYOUT
+
+
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory):
+    path = tmp_path_factory.mktemp("sound") / "model"
+    fitted_model().save(path)
+    return path
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "model"
+
+
+def put(name, position, value):
+    return lambda tensors, description: tensors[name].__setitem__(position, value)
+
+
+def longer(name):
+    return lambda tensors, _: tensors.update({name: np.concatenate([tensors[name], tensors[name][-1:]])})
+
+
+@pytest.mark.parametrize("name", sorted(LAYOUT))
+def test_shapes_and_types(sound, path, name):
+    assert "misses the tensor" in refusal(forge(sound, path, lambda tensors, _: tensors.pop(name)))
+    other = "int32" if LAYOUT[name][0] == "int64" else "int64"
+    forge(sound, path, lambda tensors, _: tensors.update({name: tensors[name].astype(other)}))
+    assert f"tensor {name} must be {LAYOUT[name][0]}, is {other}" in refusal(path)
+    forge(sound, path, lambda tensors, _: tensors.update({name: tensors[name][None, None]}))
+    assert "impossible shape" in refusal(path)
+    refusal(forge(sound, path, longer(name)))
+    if name != "motifs.edges":
+        refusal(forge(sound, path, lambda tensors, _: tensors.update({name: tensors[name][:0]})))
+
+
+@pytest.mark.parametrize("name", sorted(LAYOUT))
+def test_extreme_values(sound, path, name):
+    kind = LAYOUT[name][0]
+    if kind.startswith("int"):
+        values = [np.iinfo(kind).min, np.iinfo(kind).max, -2]
+    else:
+        values = [np.nan, -np.inf, -1e300 if kind == "float64" else -1e30]
+        values += [] if name == "concepts.deaths" else [np.inf]
+    for value in values:
+        for position in (0, -1):
+            assert f"tensor {name} must" in refusal(forge(sound, path, put(name, position, value)))
+
+
+def swap_first_rows_of_stimuli(tensors, description):
+    tensors["stimuli.columns"][[0, 1]] = tensors["stimuli.columns"][[1, 0]]
+
+
+def cycle(tensors, description):
+    # Two edges close a triangle, and so another vertex is left out.
+    leaf = np.flatnonzero(np.bincount(tensors["space.edges"].ravel()) == 1)[0]
+    at_leaf = np.flatnonzero((tensors["space.edges"] == leaf).any(axis=1))[0]
+    tensors["space.edges"][at_leaf] = tensors["space.edges"][at_leaf - 1]
+
+
+def join_two_vertices(tensors, description):
+    vertices = tensors["space.vertices"]
+    vertices[vertices == vertices.max()] = 0
+    tensors["space.edges"] = tensors["space.edges"][:-1]
+    tensors["space.divergences"] = tensors["space.divergences"][:-1]
+    tensors["space.edges"][:] = np.array([(0, i + 1) for i in range(len(tensors["space.edges"]))])
+
+
+def unused_concept(tensors, description):
+    tensors["concepts.labels"][tensors["concepts.labels"] == 1] = 0
+
+
+def skip_another(tensors, description):
+    description["skipped"].append([5, "no reason"])
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (put("dictionary.level_sizes", 0, 0), "dictionary.level_sizes must hold numbers from 1"),
+        (put("dictionary.level_sizes", 0, 3), "dictionary.level_sizes must sum to"),
+        (put("dictionary.parents", 0, 1), "dictionary.parents must hold words of the level above"),
+        (put("dictionary.clusters", (0, 0), 2), "dictionary.clusters must hold words of each level"),
+        (put("dictionary.words", (0, 0), 1.5), "dictionary.words must hold numbers from 0"),
+        (put("motifs.dictionary_levels", 0, 4), "motifs.dictionary_levels must hold numbers from 1 to 3"),
+        (put("motifs.motif_levels", 0, 17), "motifs.motif_levels must hold numbers from 1 to 16"),
+        (put("motifs.words", (0, -1), -1), "motifs.words must hold rising words"),
+        (put("motifs.words", (0, -1), 8), "motifs.words must hold rising words"),
+        (put("motifs.words", (0, 0), 5), "motifs.words must hold rising words"),
+        (put("motifs.words", slice(None), -1), "motifs.words must hold rising words"),
+        (lambda t, d: t["motifs.words"].__setitem__(3, t["motifs.words"][0]), "motifs.words must"),
+        (put("motifs.edges", 0, (1, 0)), "motifs.edges must hold rising pairs"),
+        (longer("motifs.edges"), "motifs.edges must hold sorted pairs, each once"),
+        (longer("dictionary.clusters"), "prototypes.constellations must hold"),
+        (lambda t, d: t["space.edges"].__setitem__(slice(2), t["space.edges"][1::-1]), "sorted pairs"),
+        (put("prototypes.histograms", (0, 0), 0.9), "prototypes.histograms must hold rows of sum 1 or 0"),
+        (put("prototypes.objects", 0, 1), "prototypes.objects must rise from 0 to 38"),
+        (put("prototypes.objects", -1, 37), "prototypes.objects must rise from 0 to 38"),
+        (put("prototypes.constellations", 0, 0), "prototypes.constellations must hold numbers from 1"),
+        (put("prototypes.constellations", 0, 2**16), "prototypes.constellations must hold numbers from 1"),
+        (
+            lambda t, d: t["prototypes.motifs"].__setitem__(0, t["prototypes.motifs"][0, ::-1]),
+            "each dictionary",
+        ),
+        (lambda t, d: t["stimuli.motifs"].__setitem__(0, t["stimuli.motifs"][1]), "every column once"),
+        (put("stimuli.row_lengths", 2, 1), "stimuli.row_lengths must sum to"),
+        (lambda t, d: d["skipped"].clear(), "prototypes.objects must rise from 0 to 39"),
+        (skip_another, "prototypes.objects must hold numbers from 0 to 37"),
+        (swap_first_rows_of_stimuli, "stimuli.columns must hold rising columns"),
+        (put("stimuli.values", 0, 0.0), "stimuli.values must hold positive numbers"),
+        (put("space.vertices", 2, 0), "space.vertices must hold -1 for empty rows"),
+        (put("space.vertices", 0, -1), "space.vertices must hold -1 for empty rows"),
+        (cycle, "space.edges must be a tree"),
+        (join_two_vertices, "space.vertices must give one vertex to equal rows only"),
+        (lambda t, d: t.update({"space.edges": t["space.edges"][:, ::-1]}), "the smaller vertex first"),
+        (put("space.edges", 0, (0, 0)), "space.edges must be a tree"),
+        (put("space.divergences", 0, 1.01), "space.divergences must hold numbers from 0 to 1"),
+        (put("concepts.labels", 2, 0), "concepts.labels must hold -1 for empty rows"),
+        (unused_concept, "concepts.labels must name all of the"),
+        (put("concepts.medoids", 0, 2), "concepts.medoids must hold a member of each concept"),
+        (put("concepts.births", 0, 1.0), "concepts.deaths must hold times after births"),
+        (put("response.whitening", (0, 0), 1e31), "response.whitening must hold numbers"),
+    ],
+)
+def test_content_that_does_not_fit(sound, path, change, message):
+    assert message in refusal(forge(sound, path, change))
+
+
+NOT_JSON_OF_A_MODEL = [
+    *[("scan_names", value) for value in (None, 5, "x", {}, [], ["x"] * 39 + [5])],
+    *[("concept_names", value) for value in (None, 5, "x", {}, ["x", 5])],
+    *[("scan_labels", value) for value in (None, [5] * 40, [[]] * 40, ["x"] * 39)],
+    *[
+        ("skipped", value)
+        for value in (
+            None, {}, [5], [[2]], [["2", "x"]], [[2, 5]], [[True, "x"]], [[-1, "x"]], [[40, "x"]],
+            [[2, "x"], [2, "x"]], [[3, "x"], [2, "x"]], [[2.0, "x"]], [[i, ""] for i in range(40)],
+        )
+    ],
+    *[("epsilon_max", value) for value in (-0.1, 1.1, "x", True, [], 10**400)],
+    *[("largest_divergence", value) for value in (None, 2, "0")],
+    *[("parameters", value) for value in (None, [], {}, {"descriptor": "fpfh"})],
+    *[("more", 1)],
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("field", "value"), NOT_JSON_OF_A_MODEL)
+def test_wrong_types_in_the_description(sound, path, field, value):
+    forge(sound, path, lambda _, description: description.update({field: value}))
+    assert field in refusal(path)
+
+
+def test_a_missing_field(sound, path):
+    assert "misses the field skipped" in refusal(forge(sound, path, lambda _, d: d.pop("skipped")))
+
+
+@pytest.mark.parametrize("value", [None, "x", [], {}, -1, 0, 1e300, 2**31, 10**400, True, [1]])
+def test_wrong_parameters(sound, path, value):
+    for group in ("parameters", "dictionary_parameters", "ensemble_parameters", "filtration_parameters"):
+        for name in load_description(sound)[group]:
+            if name == "leave_own_out" and value in (0, True):
+                continue
+            forge(sound, path, lambda _, d, group=group, name=name: d[group].update({name: value}))
+            if value is True and name != "leave_own_out":
+                assert f"parameter {name} must be" in refusal(path)
+            assert name in refusal(path)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        "own",
+        {"type": "own"},
+        {"type": []},
+        {"type": "fpfh"},
+        {"type": "fpfh", "radius": "0.03"},
+        {"type": "fpfh", "radius": -0.03},
+        {"type": "fpfh", "radius": 0.03, "more": 1},
+        {"type": "surflet", "scale": "x"},
+        {"type": "surflet", "scale": []},
+        {"radius": 0.03},
+    ],
+)
+def test_wrong_descriptors(sound, path, value):
+    forge(sound, path, lambda _, description: description["parameters"].update(descriptor=value))
+    refusal(path)
+
+
+def load_description(path: Path) -> dict:
+    content = path.read_bytes()
+    header = json.loads(content[8 : 8 + int.from_bytes(content[:8], "little")])
+    return json.loads(header["__metadata__"]["shapeconcepts"])
+
+
+def random_edit(source: random.Random, tensors: dict) -> None:
+    """Change a few numbers of a tensor or two, many of them to others that occur."""
+    for _ in range(source.choice([1, 1, 2])):
+        numbers = tensors[source.choice(sorted(tensors))].reshape(-1)
+        i, j = source.randrange(len(numbers)), source.randrange(len(numbers))
+        how = source.randrange(4)
+        if how == 0:
+            numbers[i] = numbers[j]
+        elif how == 1:
+            numbers[[i, j]] = numbers[[j, i]]
+        elif how == 2:
+            numbers.view(np.uint8)[source.randrange(numbers.nbytes)] ^= 1 << source.randrange(8)
+        else:
+            numbers[i] += source.choice([-1, 1])
+
+
+def test_forged_numbers_are_refused_or_harmless(sound, path):
+    source = random.Random(1)
+    objects = described_objects(1, seed=3)
+    n_loaded = 0
+    for _ in range(80):
+        forge(sound, path, lambda tensors, _: random_edit(source, tensors))
+        try:
+            loaded = load_model(path)
+        except ModelError:
+            continue
+        n_loaded += 1
+        with np.errstate(all="ignore"):
+            assert loaded.transform(objects).shape == (4, len(loaded.concepts_))
+        assert loaded.predict(objects).max() < len(loaded.concepts_)
+        loaded.explain(objects[3])
+        loaded.filtration_.concepts_at(0.5, 1)
+        loaded.filtration_.graph()
+        loaded.save(path)
+        assert differences(loaded, load_model(path)) == []
+    assert 8 < n_loaded < 72
