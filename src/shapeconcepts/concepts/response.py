@@ -10,7 +10,7 @@ from scipy.sparse import csr_matrix, sparray, spmatrix
 from scipy.spatial.distance import cdist
 from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.decomposition import PCA
-from sklearn.utils.validation import check_is_fitted, validate_data
+from sklearn.utils.validation import check_is_fitted, check_non_negative, validate_data
 
 from shapeconcepts.topology.divergence import jensen_shannon_divergences, normalised_rows
 from shapeconcepts.topology.space import TopologicalSpace
@@ -66,7 +66,10 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         ValueError
             If X is not a matrix of finite numbers of at least 0, or y does not fit.
         """
-        matrix, labels = validate_data(self, X, y, accept_sparse="csr", dtype=np.float64)
+        matrix, labels = validate_data(
+            self, X, y, accept_sparse="csr", dtype=np.float64, ensure_min_features=0
+        )
+        check_non_negative(csr_matrix(matrix), "ConceptResponse")
         is_whole = np.issubdtype(labels.dtype, np.number) and np.array_equal(labels, np.trunc(labels))
         if not is_whole or labels.min() < -1:
             raise ValueError(f"y must hold integers of at least -1, got {labels[:5].tolist()} ...")
@@ -134,9 +137,10 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
 
     def _rows(self, X: ArrayLike | spmatrix | sparray) -> csr_matrix:
         matrix = validate_data(
-            self, X, reset=False, accept_sparse="csr", dtype=np.float64, ensure_non_negative=True,
-            ensure_min_samples=0,
+            self, X, reset=False, accept_sparse="csr", dtype=np.float64,
+            ensure_min_samples=0, ensure_min_features=0,
         )  # fmt: skip
+        check_non_negative(csr_matrix(matrix), "ConceptResponse")
         return normalised_rows(matrix, "X")
 
     def _project(self, rows: csr_matrix) -> NDArray[np.float64]:
@@ -167,13 +171,16 @@ def _whitening(rows: csr_matrix) -> tuple[NDArray[np.float64], NDArray[np.float6
     mean = np.asarray(rows.mean(axis=0)).ravel() if n else np.zeros(n_columns)
     if largest < 1:
         return mean, np.empty((n_columns, 0))
-    if n * n_columns <= _DENSE_ENTRIES or largest >= min(n, n_columns):
-        components = PCA(largest, svd_solver="full").fit(rows.toarray())
-    else:
-        components = PCA(largest, svd_solver="arpack", random_state=0).fit(rows)
+    # Among equal rows a component's share of the variance is 0 / 0.
+    with np.errstate(invalid="ignore"):
+        if n * n_columns <= _DENSE_ENTRIES or largest >= min(n, n_columns):
+            components = PCA(largest, svd_solver="full").fit(rows.toarray())
+        else:
+            components = PCA(largest, svd_solver="arpack", random_state=0).fit(rows)
     variance, share = components.explained_variance_, np.cumsum(components.explained_variance_ratio_)
     # Components without variance carry nothing but rounding.
     kept = min(int(np.searchsorted(share, VARIANCE_KEPT)) + 1, int((variance > 1e-12 * variance[:1]).sum()))
     if not variance.size or variance[0] < 1e-24:
         kept = 0
-    return mean, components.components_[:kept].T / np.sqrt(variance[:kept])
+    # In one order of memory, on which the rounding of products depends, whatever solver was at work.
+    return mean, np.ascontiguousarray(components.components_[:kept].T / np.sqrt(variance[:kept]))

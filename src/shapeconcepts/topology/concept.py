@@ -18,7 +18,7 @@ class Concept:
         Objects, as rows of the matrix that was filtered, rising. They are the concept's prototypes.
     medoid : int
         The member of the smallest mean Jensen-Shannon divergence to all members; of more than 256 places, to
-        those at 100 of them.
+        those at 50 of them.
     birth : float
         Time of the annexation that completed the group, in [0, 1]; 0 where all members are at one place.
     death : float

@@ -12,7 +12,7 @@ from shapeconcepts.topology.divergence_kernels import divergence_to
 
 # All pairs of a group of a hundred thousand would take hours.
 MAX_WHOLE = 256
-N_SAMPLED = 100
+N_SAMPLED = 50
 
 
 @njit(cache=True, nogil=True)

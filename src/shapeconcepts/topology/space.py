@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix, sparray, spmatrix
 from sklearn.base import BaseEstimator
-from sklearn.utils.validation import validate_data
+from sklearn.utils.validation import check_non_negative, validate_data
 
 from shapeconcepts.topology.divergence import normalised_rows
 from shapeconcepts.topology.heat_kernels import distance_sums
@@ -64,9 +64,9 @@ class TopologicalSpace(BaseEstimator):
         ValueError
             If X is not a matrix of finite numbers of at least 0.
         """
-        X = validate_data(
-            self, X, accept_sparse="csr", dtype=np.float64, ensure_non_negative=True, ensure_min_features=0
-        )
+        X = validate_data(self, X, accept_sparse="csr", dtype=np.float64, ensure_min_features=0)
+        # Within `validate_data` this fails for dense matrices without columns.
+        check_non_negative(csr_matrix(X), "TopologicalSpace")
         rows = normalised_rows(X, "X")
         first, self.vertices_ = _distinct_rows(rows)
         self.multiplicities_ = np.bincount(self.vertices_[self.vertices_ >= 0], minlength=len(first))

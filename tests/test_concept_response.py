@@ -1,0 +1,195 @@
+"""Responses of concepts (paper: equation 3) against plain NumPy, and the most alike concept."""
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_matrix
+
+from shapeconcepts import ConceptResponse
+from topology_reference import random_rows, slow_divergences
+
+
+def shares(rows: np.ndarray) -> np.ndarray:
+    return rows / rows.sum(axis=1, keepdims=True)
+
+
+def example(
+    seed: int, n: int = 60, n_columns: int = 25, density: float = 0.7
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Training rows of four kinds, some of them empty, their concepts, new rows."""
+    rng = np.random.default_rng(seed)
+    kinds = random_rows(rng, 4, n_columns, 0.6) + 0.01
+    which = rng.integers(0, 4, n + 20)
+    rows = kinds[which] * rng.gamma(3, 1, (n + 20, n_columns)) * (rng.random((n + 20, n_columns)) < density)
+    rows[[3, n + 4]] = 0
+    return rows[:n], np.array([0, 1, 5, -1])[which[:n]], rows[n:]
+
+
+def slow_whitening(centred: np.ndarray) -> np.ndarray:
+    """Main eigenvectors of the covariance over their standard deviation: 95 % of the variance, at most 30."""
+    n, n_columns = centred.shape
+    # The eigenvectors of the rows' products, times the rows, are those of the covariance.
+    fewer_rows = n < n_columns
+    variances, vectors = np.linalg.eigh(
+        (centred @ centred.T if fewer_rows else centred.T @ centred) / (n - 1)
+    )
+    variances, vectors = variances[::-1], vectors[:, ::-1]
+    kept = min(1 + int((np.cumsum(variances) / variances.sum() < 0.95).sum()), 30, n - 1)
+    variances, vectors = variances[:kept], vectors[:, :kept]
+    if fewer_rows:
+        vectors = centred.T @ vectors / np.sqrt((n - 1) * variances)
+    return vectors / np.sqrt(variances)
+
+
+def slow_responses(rows: np.ndarray, labels: np.ndarray, new: np.ndarray) -> np.ndarray:
+    placed = rows.any(axis=1)
+    training, concepts = shares(rows[placed]), labels[placed]
+    whitening = slow_whitening(training - training.mean(axis=0))
+    responses = np.full((len(new), len(np.unique(concepts[concepts >= 0]))), np.nan)
+    for i in np.flatnonzero(new.any(axis=1)):
+        distances = np.linalg.norm(shares(new[[i]]) @ whitening - training @ whitening, axis=1)
+        for column, concept in enumerate(np.unique(concepts[concepts >= 0])):
+            responses[i, column] = distances[concepts == concept].mean()
+    return responses
+
+
+# A few columns, more columns than rows, more than 30 components, and a matrix too large to be dense.
+@pytest.mark.parametrize(("n", "n_columns"), [(60, 4), (60, 25), (20, 80), (120, 150), (300, 7000)])
+def test_against_numpy(n, n_columns):
+    rows, labels, new = example(n_columns, n, n_columns, 0.7 if n_columns < 1000 else 0.01)
+    response = ConceptResponse().fit(csr_matrix(rows), labels)
+    assert response.classes_.tolist() == [0, 1, 5]
+    expected = slow_responses(rows, labels, new)
+    responses = response.transform(new)
+    assert responses.shape == (20, 3) and responses.dtype == np.float64
+    np.testing.assert_allclose(responses, expected, rtol=1e-8, equal_nan=True)
+    assert np.isnan(responses[4]).all() and np.isfinite(np.delete(responses, 4, 0)).all()
+
+
+@pytest.mark.parametrize("n_columns", [25, 150])
+def test_alone_in_a_batch_and_sparse(n_columns):
+    rows, labels, new = example(0, 80, n_columns)
+    response = ConceptResponse().fit(rows, labels)
+    batch, predicted = response.transform(new), response.predict(new)
+    for k in range(len(new)):
+        assert response.transform(new[[k]]).tobytes() == batch[[k]].tobytes()
+        assert response.predict(new[[k]]) == predicted[k]
+    for part in (slice(5, 12), slice(None, None, -1)):
+        assert response.transform(new[part]).tobytes() == np.ascontiguousarray(batch[part]).tobytes()
+    again = ConceptResponse().fit(csr_matrix(rows), labels)
+    assert again.transform(csr_matrix(new)).tobytes() == batch.tobytes()
+    np.testing.assert_array_equal(again.predict(csr_matrix(new)), predicted)
+
+
+def test_scale_of_a_row_does_not_matter():
+    rows, labels, new = example(1)
+    response = ConceptResponse().fit(rows, labels)
+    factors = np.random.default_rng(0).uniform(1e-5, 1e5, (80, 1))
+    other = ConceptResponse().fit(rows * factors[:60], labels)
+    np.testing.assert_allclose(other.transform(new * factors[60:]), response.transform(new), rtol=1e-7)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_predict_is_the_nearest_prototype(seed):
+    rows, labels, new = example(seed)
+    rng = np.random.default_rng(seed)
+    new[-5:] = random_rows(rng, 5, 25, 0.1)
+    response = ConceptResponse().fit(rows, labels)
+    is_prototype = rows.any(axis=1) & (labels >= 0)
+    between = slow_divergences(new, rows[is_prototype])
+    longest = slow_longest_step(rows[is_prototype], labels[is_prototype])
+    assert response.largest_divergence_ == pytest.approx(longest, abs=1e-12)
+    nearest = labels[is_prototype][between.argmin(axis=1)]
+    known = new.any(axis=1) & (between.min(axis=1) <= longest)
+    np.testing.assert_array_equal(response.predict(new), np.where(known, nearest, -1))
+    assert response.predict(rows[is_prototype]).tolist() == labels[is_prototype].tolist()
+
+
+def slow_longest_step(rows: np.ndarray, labels: np.ndarray) -> float:
+    """Longest edge of the rows' spanning tree with both ends in one concept."""
+    between = slow_divergences(rows, rows)
+    inside, longest = {0}, 0.0
+    while len(inside) < len(rows):
+        step, a, b = min((between[a, b], a, b) for a in inside for b in range(len(rows)) if b not in inside)
+        inside.add(b)
+        if labels[a] == labels[b]:
+            longest = max(longest, step)
+    return longest
+
+
+def test_unknown():
+    rows = np.array([[4, 1, 0, 0, 0], [1, 4, 0, 0, 0], [2, 2, 0, 0, 0], [0, 0, 3, 1, 0], [0, 0, 1, 3, 0.0]])
+    response = ConceptResponse().fit(rows, [0, 0, 0, 1, 1])
+    new = [[1, 1, 0, 0, 0], [0, 0, 1, 1, 0], [0, 0, 0, 0, 1], [1, 0, 0, 0, 9], [0, 0, 0, 0, 0]]
+    assert response.predict(new).tolist() == [0, 1, -1, -1, -1]
+    # What shares nothing has a response, what is empty has none.
+    assert np.isnan(response.transform(new)).all(axis=1).tolist() == [False] * 4 + [True]
+
+
+@pytest.mark.parametrize("n_columns", [0, 3])
+@pytest.mark.parametrize("n", [1, 2, 7])
+def test_no_concepts(n, n_columns):
+    rows = np.ones((n, n_columns))
+    response = ConceptResponse().fit(rows, np.full(n, -1))
+    assert response.transform(rows).shape == (n, 0)
+    assert response.predict(rows).tolist() == [-1] * n
+    assert response.get_feature_names_out().tolist() == [] and response.classes_.tolist() == []
+
+
+def test_no_rows_to_respond_to():
+    rows, labels, _ = example(0)
+    response = ConceptResponse().fit(rows, labels)
+    assert response.transform(np.empty((0, 25))).shape == (0, 3)
+    assert response.predict(csr_matrix((0, 25))).shape == (0,)
+
+
+@pytest.mark.filterwarnings("error")
+def test_one_concept_and_rows_that_are_all_equal():
+    rows, _, new = example(2)
+    response = ConceptResponse().fit(rows, np.zeros(60, int))
+    np.testing.assert_allclose(
+        response.transform(new), slow_responses(rows, np.zeros(60, int), new), rtol=1e-8, equal_nan=True
+    )
+    assert response.get_feature_names_out().tolist() == ["concept0"]
+    same = ConceptResponse().fit(np.tile([1.0, 2, 3], (6, 1)), [0, 0, 0, 1, 1, -1])
+    assert same.transform([[1, 2, 3], [3, 2, 1]]).tolist() == [[0, 0], [0, 0]]
+    assert same.predict([[2, 4, 6], [3, 2, 1]]).tolist() == [0, -1]
+
+
+def test_only_empty_rows_in_the_concepts():
+    response = ConceptResponse().fit([[0, 0], [0, 0], [1, 2], [2, 1]], [0, 0, -1, -1])
+    assert response.classes_.tolist() == [] and response.predict([[1, 2]]).tolist() == [-1]
+
+
+def test_labels_that_are_whole_numbers():
+    rows, labels, new = example(3)
+    expected = ConceptResponse().fit(rows, labels).transform(new)
+    for kind in (np.int32, np.int8, np.float64, list):
+        converted = labels.tolist() if kind is list else labels.astype(kind)
+        response = ConceptResponse().fit(rows, converted)
+        np.testing.assert_array_equal(response.transform(new), expected)
+        assert response.predict(new).dtype == np.int64
+    assert ConceptResponse().fit(rows, labels).get_feature_names_out().tolist() == [
+        "concept0", "concept1", "concept5",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("labels", [["a"] * 4, [0, 1, -2, 0], [0, 0.5, 1, 1], [True, False, True, True]])
+def test_labels_of_other_types(labels):
+    with pytest.raises(ValueError, match="y must hold integers of at least -1, got"):
+        ConceptResponse().fit(np.eye(4), labels)
+
+
+def test_bad_input():
+    rows, labels, new = example(0)
+    response = ConceptResponse().fit(rows, labels)
+    for method in (response.transform, response.predict):
+        with pytest.raises(ValueError, match="X has 24 features, but ConceptResponse is expecting 25"):
+            method(new[:, 1:])
+        with pytest.raises(ValueError, match="Negative values in data"):
+            method(-new)
+        with pytest.raises(ValueError, match="contains NaN"):
+            method(np.where(new > 0.1, np.nan, new))
+    with pytest.raises(ValueError, match="inconsistent numbers of samples"):
+        ConceptResponse().fit(rows, labels[:-1])
+    with pytest.raises(ValueError, match="requires y to be passed"):
+        ConceptResponse().fit(rows, None)

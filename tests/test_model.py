@@ -1,0 +1,278 @@
+"""The model as a whole, on a few simulated scans."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+from sklearn.base import clone
+from sklearn.impute import SimpleImputer
+from sklearn.model_selection import cross_val_score
+from sklearn.pipeline import make_pipeline
+from sklearn.svm import SVC
+
+from shapeconcepts import Scan, ScanError, ScanWarning, ShapeConceptModel, datasets, describe
+from shapeconcepts.model import PRESETS
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*different segment descriptions give")
+BROKEN = Scan(np.full((80, 3), np.nan), name="broken")
+
+
+@pytest.fixture(scope="module")
+def scans() -> list[Scan]:
+    return datasets.simulate(n_per_category=6)
+
+
+@pytest.fixture(scope="module")
+def segmented(scans):
+    model = ShapeConceptModel()
+    return [model.segment(scan) for scan in scans]
+
+
+@pytest.fixture(scope="module")
+def model(scans) -> ShapeConceptModel:
+    return ShapeConceptModel().fit(scans)
+
+
+@pytest.fixture(scope="module")
+def new():
+    scans = datasets.simulate(n_per_category=2, random_state=9)
+    return [ShapeConceptModel().segment(scan) for scan in scans]
+
+
+def concepts_of(model: ShapeConceptModel) -> set[frozenset[str]]:
+    return {frozenset(model.scan_names_[i] for i in concept.members) for concept in model.concepts_}
+
+
+def assert_same_rows(a, b) -> None:
+    assert a.shape == b.shape and (a != b).nnz == 0
+
+
+def test_what_is_learned(model, scans):
+    assert len(model.concepts_) >= 2
+    sizes = [concept.size for concept in model.concepts_]
+    assert sizes == sorted(sizes, reverse=True) and min(sizes) >= 3 and max(sizes) <= len(scans) / 2
+    labels = np.full(len(scans), -1)
+    for number, concept in enumerate(model.concepts_):
+        labels[concept.members] = number
+        assert concept.medoid in concept.members
+        assert 0 < concept.birth <= model.filtration_.epsilon_max < concept.death
+    np.testing.assert_array_equal(model.labels_, labels)
+    assert model.stimuli_.shape == (len(scans), len(model.ensemble_.columns_))
+    np.testing.assert_array_equal(model.filtration_.labels_, labels)
+    assert model.scan_names_ == [scan.name for scan in scans]
+    assert model.scan_labels_ == [scan.label for scan in scans]
+    assert model.skipped_ == {}
+    # Not all is one: a category is mostly in one concept.
+    most = [
+        np.unique(labels[[s.label == category for s in scans]], return_counts=True)[1].max()
+        for category in datasets.CATEGORIES
+    ]
+    assert sum(most) > 0.6 * len(scans)
+
+
+def test_responses_are_equation_3_of_the_stimuli(model, new):
+    stimuli = model.stimuli(new)
+    assert_same_rows(stimuli, model.ensemble_.transform([describe(one) for one in new]))
+    responses = model.transform(new)
+    assert responses.shape == (len(new), len(model.concepts_))
+    np.testing.assert_array_equal(responses, model.response_.transform(stimuli))
+    np.testing.assert_array_equal(model.predict(new), model.response_.predict(stimuli))
+
+
+def test_training_scans_are_recognised(model, segmented):
+    """Own prototypes count now, so that stimuli differ a little from those of the training."""
+    predicted, labels = model.predict(segmented), model.labels_
+    assert (predicted[labels >= 0] == labels[labels >= 0]).mean() > 0.85
+
+
+def test_any_order_of_the_scans(model, segmented, new):
+    order = np.random.default_rng(0).permutation(len(segmented))
+    other = ShapeConceptModel().fit([segmented[i] for i in order])
+    assert concepts_of(other) == concepts_of(model)
+    np.testing.assert_array_equal(other.labels_ < 0, model.labels_[order] < 0)
+    assert other.filtration_.epsilon_max == model.filtration_.epsilon_max
+    np.testing.assert_allclose(
+        np.sort(other.transform(new), axis=1), np.sort(model.transform(new), axis=1), rtol=1e-6
+    )
+
+
+def test_any_number_of_jobs(model, scans, new):
+    few = [scan for scan in scans if scan.label in ("box", "ball", "can")]
+    one, two = (ShapeConceptModel(n_jobs=n_jobs).fit(few) for n_jobs in (1, 2))
+    assert_same_rows(one.stimuli_, two.stimuli_)
+    np.testing.assert_array_equal(one.labels_, two.labels_)
+    assert concepts_of(one) == concepts_of(two)
+    assert one.transform(new).tobytes() == two.transform(new).tobytes()
+
+
+def test_alone_and_in_a_batch(model, new):
+    batch, predicted, stimuli = model.transform(new), model.predict(new), model.stimuli(new)
+    for k, one in enumerate(new):
+        assert model.transform([one]).tobytes() == batch[[k]].tobytes()
+        assert model.predict([one]) == predicted[k]
+        assert_same_rows(model.stimuli([one]), stimuli[[k]])
+    assert model.transform(reversed(new)).tobytes() == batch[::-1].tobytes()
+
+
+def test_scans_segments_and_descriptions(model, scans, segmented):
+    for inputs in (segmented, [describe(one) for one in segmented]):
+        other = ShapeConceptModel().fit(iter(inputs))
+        assert_same_rows(other.stimuli_, model.stimuli_)
+        np.testing.assert_array_equal(other.labels_, model.labels_)
+        assert other.scan_names_ == model.scan_names_ and other.scan_labels_ == model.scan_labels_
+    some = slice(3, None, 11)
+    expected = model.transform(segmented[some])
+    assert model.transform(scans[some]).tobytes() == expected.tobytes()
+    assert model.transform([describe(one) for one in segmented[some]]).tobytes() == expected.tobytes()
+    mixed = [scans[3], segmented[14], describe(segmented[25])]
+    assert model.transform(mixed).tobytes() == expected[:3].tobytes()
+    # An array is a scan without a viewpoint.
+    points = scans[3].points
+    assert model.transform([points]).tobytes() == model.transform([Scan(points)]).tobytes()
+
+
+def test_broken_scans_are_skipped(model, segmented, new):
+    with pytest.warns(ScanWarning, match=r"2 of 44 scans are skipped: number 0: .*; number 5: ") as caught:
+        other = ShapeConceptModel().fit([BROKEN, *segmented[:4], BROKEN, *segmented[4:]])
+    assert {warning.filename for warning in caught if warning.category is ScanWarning} == {__file__}
+    kept = np.delete(np.arange(44), [0, 5])
+    assert list(other.skipped_) == [0, 5] and all("broken" in reason for reason in other.skipped_.values())
+    assert_same_rows(other.stimuli_[kept], model.stimuli_)
+    np.testing.assert_array_equal(other.labels_[kept], model.labels_)
+    assert other.labels_[[0, 5]].tolist() == [-1, -1] and other.stimuli_[[0, 5]].nnz == 0
+    assert [other.scan_names_[i] for i in kept] == model.scan_names_
+    assert concepts_of(other) == concepts_of(model)
+
+    with pytest.warns(ScanWarning, match="1 of 3 scans are skipped: number 1: ") as caught:
+        responses = model.transform([new[0], BROKEN, new[1]])
+    assert np.isnan(responses[1]).all()
+    assert responses[[0, 2]].tobytes() == model.transform(new[:2]).tobytes()
+    with pytest.warns(ScanWarning):
+        predicted = model.predict([BROKEN, *new])
+    assert predicted.tolist() == [-1, *model.predict(new)]
+
+
+def test_many_broken_scans_are_told_in_brief(model, new):
+    with pytest.warns(ScanWarning, match=r"5 of 6 .*number 2: [^;]*; \.\.\.$"):
+        model.transform([BROKEN] * 5 + new[:1])
+
+
+def test_nothing_but_broken_scans(model):
+    for call in (ShapeConceptModel().fit, model.transform, model.predict, model.stimuli):
+        with pytest.raises(ScanError, match="broken"):
+            call([BROKEN, BROKEN])
+    with pytest.raises(ScanError, match="broken"):
+        model.explain(BROKEN)
+
+
+def test_no_scans(model):
+    for call in (ShapeConceptModel().fit, model.transform, model.predict, model.stimuli):
+        with pytest.raises(ValueError, match="X must hold at least one scan, got none"):
+            call([])
+
+
+@pytest.mark.parametrize("n", [1, 2])
+def test_too_few_scans_for_concepts(segmented, n):
+    with pytest.warns(UserWarning, match="no object is in a concept") as caught:
+        model = ShapeConceptModel().fit(segmented[:n])
+    assert any("no object" in str(warning.message) for warning in caught)
+    assert model.labels_.tolist() == [-1] * n and model.concepts_ == []
+    assert model.transform(segmented[:3]).shape == (3, 0)
+    assert model.predict(segmented[:3]).tolist() == [-1] * 3
+    assert model.get_feature_names_out().tolist() == []
+
+
+def test_fit_again_forgets(segmented, model):
+    other = ShapeConceptModel().fit(segmented[:20])
+    assert_same_rows(other.fit(segmented).stimuli_, model.stimuli_)
+    np.testing.assert_array_equal(other.labels_, model.labels_)
+
+
+def test_names(model):
+    named = copy.deepcopy(model)
+    assert named.get_feature_names_out().tolist() == [f"concept{k}" for k in range(len(model.concepts_))]
+    named.concepts_[1].name = "balls"
+    assert named.get_feature_names_out().tolist()[:3] == ["concept0", "balls", "concept2"]
+    assert model.get_feature_names_out()[1] == "concept1"
+
+
+def test_explain(model, segmented, scans):
+    explanation = model.explain(segmented[0])
+    assert explanation == model.ensemble_.explain(describe(segmented[0])) == model.explain(scans[0])
+    assert explanation.motifs
+    row = model.stimuli([segmented[0]])
+    assert max(motif.stimulus for motif in explanation.motifs) == pytest.approx(row.max())
+
+
+def test_clone_parameters_and_pickle(model, new):
+    fresh = ShapeConceptModel(n_levels=3, bandwidth=0.2, descriptor="fpfh", n_jobs=2)
+    copied = clone(fresh)
+    assert copied.get_params() == fresh.get_params() and copied.n_levels == 3
+    assert not hasattr(clone(model), "labels_")
+    copied.set_params(min_concept_size=5, max_steps=10)
+    assert (copied.min_concept_size, copied.max_steps, fresh.max_steps) == (5, 10, 200)
+    with pytest.raises(ValueError, match="Invalid parameter"):
+        copied.set_params(sigma=1)
+    again = pickle.loads(pickle.dumps(model))
+    assert again.transform(new).tobytes() == model.transform(new).tobytes()
+
+
+def test_parameters_reach_their_stage(segmented, model):
+    two = ShapeConceptModel(n_levels=2, bandwidth=0.3, min_concept_size=2, max_steps=5).fit(segmented)
+    assert two.ensemble_.hierarchies_.n_levels == 2 and two.ensemble_.bandwidth == 0.3
+    assert two.filtration_.min_concept_size == 2 and two.filtration_.n_steps <= 5
+    coarse = ShapeConceptModel(voxel_size=0.012, max_segments=2)
+    scan = datasets.simulate_scan("box", 0)
+    assert coarse.segment(scan).voxel_size == 0.012 and coarse.segment(scan).n_segments <= 2
+
+
+def test_preset_of_the_paper(segmented):
+    paper = ShapeConceptModel.preset("paper")
+    assert (paper.n_levels, paper.descriptor, paper.bandwidth) == (4, "fpfh", 0.025)
+    assert (paper.word_metric, paper.leave_own_out, paper.min_support) == ("euclidean", False, 1)
+    assert ShapeConceptModel.preset("paper", n_levels=2).n_levels == 2
+    assert ShapeConceptModel.preset("default").get_params() == ShapeConceptModel().get_params()
+    paper.fit(segmented)
+    # Nothing is left out: every scan activates all its own vertices, and each of them is a column.
+    assert_same_rows(paper.stimuli_, paper.stimuli(segmented))
+    assert paper.stimuli_.shape[1] == paper.ensemble_.hierarchies_.n_vertices
+    assert set(PRESETS) == {"default", "paper"}
+    with pytest.raises(ValueError, match="preset must be one of 'default', 'paper', got 'best'"):
+        ShapeConceptModel.preset("best")
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"descriptor": "shape"}, "shape"),
+        ({"n_levels": 0}, "n_levels must be"),
+        ({"word_metric": "cosine"}, "metric must be"),
+        ({"bandwidth": 0}, "bandwidth must be"),
+        ({"min_support": 0}, "min_support must be"),
+        ({"min_concept_size": 1}, "min_concept_size must be"),
+        ({"max_steps": 0}, "max_steps must be"),
+        ({"voxel_size": -1}, "voxel_size must be"),
+        ({"seed_size": 0}, "seed_size must be"),
+        ({"max_segments": 0}, "max_segments must be"),
+    ],
+)
+def test_parameters_out_of_range(parameters, message, scans):
+    with pytest.raises(ValueError, match=message):
+        ShapeConceptModel(**parameters).fit(scans[:4])
+
+
+def test_in_a_pipeline(segmented, scans):
+    labels = np.array([scan.label for scan in scans])
+    pipeline = make_pipeline(ShapeConceptModel(n_levels=4), SVC()).fit(segmented, labels)
+    responses = pipeline[0].transform(segmented)
+    assert not np.isnan(responses).any()
+    expected = SVC().fit(responses, labels).predict(responses)
+    np.testing.assert_array_equal(pipeline.predict(segmented), expected)
+    # A scan without any stimulus gives a row of NaN, which an imputer takes.
+    pipeline = make_pipeline(ShapeConceptModel(n_levels=4), SimpleImputer(), SVC())
+    scores = cross_val_score(pipeline, segmented, labels, cv=2, error_score="raise")
+    assert scores.mean() > 2 / 7
+    with pytest.warns(ScanWarning):
+        answers = pipeline.fit(segmented, labels).predict([*segmented[:3], BROKEN])
+    assert len(answers) == 4
