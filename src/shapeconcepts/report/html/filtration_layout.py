@@ -25,7 +25,7 @@ def lay_out_filtration(
     Returns
     -------
     (v, 2) float64
-        At distance sqrt(1 - death) from the middle.
+        At distance `radius(death)` from the middle, the last class at 0.
     """
     leaves = np.ones(n_vertices)
     has_child = np.zeros(n_vertices, bool)
@@ -44,6 +44,10 @@ def lay_out_filtration(
         starts[dying] = starts[surviving]
         starts[surviving] += leaves[dying] * per_leaf
     radii = np.zeros(n_vertices)
-    # The root gives the crowded middle more room.
-    radii[annexations[:, 0]] = np.sqrt(1 - times)
+    radii[annexations[:, 0]] = radius(times)
     return radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def radius(times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Distance of a time from the middle, 1 for time 0; the root gives the crowded middle more room."""
+    return np.asarray(0.06 + 0.94 * np.sqrt(1 - times))

@@ -23,7 +23,7 @@ class ScanPreview:
     positions : (k, 3) uint8
         Right, up and towards the sensor. 255 steps are `extent`, and the middle of the object is at 127.5.
     normals : (k, 2) uint8
-        Components to the right and up of the unit normals that face the sensor: 0 is -1, 255 is 1.
+        Components to the right and up of the unit normals, turned towards the sensor: 0 is -1, 255 is 1.
     segments : (k,) uint8
         Colour number of each element's segment, 15 for none.
     sizes : (k,) uint8
@@ -87,13 +87,14 @@ def preview(segmented: SegmentedObject, n_points: int = 400) -> ScanPreview:
         raise ValueError(f"n_points must be at least 1, got {n_points!r}")
     axes = view_axes(segmented.points, segmented.normals, segmented.viewpoint)
     points, normals = segmented.points @ axes.T, segmented.normals @ axes.T
-    normals[normals[:, 2] < 0] *= -1
     points -= (points.min(axis=0) + points.max(axis=0)) / 2
     extent = float(np.ptp(points, axis=0).max())
     element, spacing = _elements(points, segmented.segment_labels, segmented.voxel_size, n_points)
     counts = np.bincount(element)
     means = [np.bincount(element, column) / counts for column in np.hstack([points, normals]).T]
     positions, directions = np.stack(means[:3], axis=1), np.stack(means[3:], axis=1)
+    # A disc has two sides: the one towards the sensor is told by two numbers.
+    directions[directions[:, 2] < 0] *= -1
     directions /= np.maximum(np.linalg.norm(directions, axis=1), 1e-12)[:, None]
     labels = np.full(len(counts), -1)
     labels[element] = segmented.segment_labels
@@ -133,11 +134,10 @@ def _elements(
 
 def _cells(points: NDArray[np.float64], labels: NDArray[np.int32], edge: float) -> NDArray[np.int64]:
     """Number of each point's pair of cell and segment."""
-    cells = np.floor(points / edge).astype(np.int64)
-    cells -= cells.min(axis=0)
-    widths = cells.max(axis=0) + 1
-    keys = (cells[:, 0] * widths[1] + cells[:, 1]) * widths[2] + cells[:, 2]
-    keys = keys * (int(labels.max()) + 2) + labels + 1
+    keys = labels.astype(np.int64) - int(labels.min())
+    for column in np.floor(points.T / edge).astype(np.int64):
+        column -= column.min()
+        keys = keys * (int(column.max()) + 1) + column
     return np.unique(keys, return_inverse=True)[1].ravel()
 
 

@@ -103,9 +103,7 @@ def _far_repulsion(places: NDArray[np.complex128]) -> NDArray[np.complex128]:
     return np.asarray(0.12 * (apart / softened) @ counts[used])
 
 
-def _sums(
-    pairs: NDArray[np.integer], forces: NDArray[np.complex128], n: int
-) -> NDArray[np.complex128]:
+def _sums(pairs: NDArray[np.integer], forces: NDArray[np.complex128], n: int) -> NDArray[np.complex128]:
     """Total force on each vertex, where the first of a pair feels its force and the second the opposite."""
     first, second = pairs[:, 0], pairs[:, 1]
     along_x = np.bincount(first, forces.real, n) - np.bincount(second, forces.real, n)
@@ -119,4 +117,6 @@ def _along_x(positions: NDArray[np.float64]) -> NDArray[np.float64]:
     # The sign of an eigenvector is left open.
     axes = axes * np.where(axes[np.abs(axes).argmax(axis=0), [0, 1]] < 0, -1.0, 1.0)
     turned = positions @ axes
+    if np.ptp(turned[:, 1]) > np.ptp(turned[:, 0]):
+        turned = turned[:, ::-1]
     return np.asarray(turned - (turned.min(axis=0) + turned.max(axis=0)) / 2)

@@ -25,13 +25,10 @@ class DotMap {
   // place: size of the canvas -> function from a vertex to its place; backdrop: drawn first.
   constructor(canvas, { pairs, place, backdrop }) {
     Object.assign(this, { canvas, pairs, place, backdrop });
-    const grouped = Map.groupBy
-      ? Map.groupBy(pairs, ([a, b]) => (rankOfVertex[a] === rankOfVertex[b] ? rankOfVertex[a] : -1))
-      : pairs.reduce((groups, pair) => {
-        const rank = rankOfVertex[pair[0]] === rankOfVertex[pair[1]] ? rankOfVertex[pair[0]] : -1;
-        return groups.set(rank, [...(groups.get(rank) ?? []), pair]);
-      }, new Map());
-    this.regions = concepts.map((_, rank) => grouped.get(rank) ?? []);
+    this.regions = concepts.map(() => []);
+    for (const [a, b] of pairs) {
+      if (rankOfVertex[a] >= 0 && rankOfVertex[a] === rankOfVertex[b]) this.regions[rankOfVertex[a]].push([a, b]);
+    }
     canvas.addEventListener("pointermove", (event) => this.point(event));
     canvas.addEventListener("pointerleave", () => { showTip(null); change({ hovered: null }); });
     canvas.addEventListener("click", (event) => {
@@ -39,6 +36,8 @@ class DotMap {
       const rank = vertex === null ? -1 : rankOfVertex[vertex];
       if (rank < 0) change({ selected: null });
       else toggle(rank);
+      // A finger does not hover.
+      if (event.pointerType !== "mouse") change({ hovered: null });
     });
     onChange(() => this.draw());
     new ResizeObserver(() => this.draw()).observe(canvas);
@@ -77,8 +76,8 @@ class DotMap {
     context.lineWidth = 1;
     context.strokeStyle = FAINT;
     stroke(context, this.pairs.slice(nJoined), this.at);
-    context.lineWidth = dot > 3 ? 1.6 : 1.1;
-    context.strokeStyle = chosen === null ? "#6b7280" : "#a3a7b0";
+    context.lineWidth = dot > 4.5 ? 1.6 : 0.8;
+    context.strokeStyle = chosen !== null ? "#b3b7c0" : dot > 4.5 ? "#6b7280" : "#8a90a0";
     stroke(context, this.pairs.slice(0, nJoined), this.at);
     this.drawDots(context, chosen, dot);
     this.drawNumbers(context, chosen);
@@ -114,9 +113,13 @@ class DotMap {
     context.font = "600 12px system-ui, sans-serif";
     context.textAlign = "center";
     context.textBaseline = "middle";
+    const taken = [];
     concepts.forEach((concept, rank) => {
       if (chosen !== null && chosen !== rank) return;
       const [x, y] = this.at(scans.vertices[concept.members[0]]);
+      // The better rank has the room.
+      if (taken.some(([tx, ty]) => Math.abs(tx - x) < 18 && Math.abs(ty - y) < 13)) return;
+      taken.push([x, y]);
       context.lineWidth = 4;
       context.strokeStyle = "#ffffffe6";
       context.strokeText(concept.number, x, y - 12);

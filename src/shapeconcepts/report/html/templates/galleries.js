@@ -1,16 +1,16 @@
 // Each concept with all its scans, and those in none.
-const FIRST = 12;
+const FIRST = 16;
 
 function gallery(group, firstNote) {
   const grid = element("div", { className: "gallery" });
   const figure = (scan, at) => {
     const label = scans.labels[scan];
-    const made = element("figure", { tabIndex: at === 0 ? 0 : -1, ariaLabel: scans.names[scan] },
+    const made = element("figure", { tabIndex: at === 0 ? 0 : -1, role: "button", ariaLabel: scans.names[scan] },
       scans.previews[scan] === null ? element("div", { className: "scan missing", textContent: "no picture" })
         : scanCanvas(scan, () => openViewer(group, at)),
       element("figcaption", {},
         label < 0 ? "" : element("span", { className: "key", title: labels[label], style: { background: labelColour(label) } }),
-        named(scans.names[scan])));
+        element("span", { className: "tail" }, named(scans.names[scan]))));
     if (at === 0 && firstNote) made.append(element("span", { className: "badge", textContent: firstNote }));
     return made;
   };
@@ -74,15 +74,20 @@ function fillConcepts(section) {
   ...concepts.map((_, rank) => conceptCard(rank)));
 }
 
+// Time at which each vertex has its first neighbour.
+const joinTimes = new Float64Array(nVertices).fill(Infinity);
+filtration.edges.forEach((ends, i) => ends.forEach((vertex) => { joinTimes[vertex] = Math.min(joinTimes[vertex], filtration.times[i]); }));
+
 function fillOutside(section) {
   const skipped = new Set(scans.skipped);
   const all = Array.from({ length: nScans }, (_, scan) => scan).filter((scan) => rankOfScan[scan] < 0 && !skipped.has(scan));
-  const loners = all.filter((scan) => scans.vertices[scan] >= 0), mute = all.filter((scan) => scans.vertices[scan] < 0);
+  const loners = all.filter((scan) => scans.vertices[scan] >= 0).sort((a, b) => joinTimes[scans.vertices[a]] - joinTimes[scans.vertices[b]]);
+  const mute = all.filter((scan) => scans.vertices[scan] < 0);
   if (loners.length) {
     section.append(element("h2", { textContent: "In no concept" }),
       element("p", { textContent: concepts.length
         ? `${plural(loners.length, "scan")} had not joined ${filtration.minSize - 1} others or more by the time ε_max. Their shapes are rare here, `
-          + "in between, or were seen badly. Later in time all of them are annexed by something."
+          + "in between, or were seen badly. Those that join another the soonest come first."
         : "There are no concepts, so all scans are here." }),
       element("div", { className: "card" }, gallery(loners)));
   }

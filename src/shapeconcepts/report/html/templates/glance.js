@@ -25,6 +25,7 @@ function follows(node, rank) {
 
 function rankedBars() {
   const largest = Math.max(...concepts.map((concept) => concept.members.length));
+  const longest = Math.max(...concepts.map(lifetime));
   const columns = concepts.map((concept, rank) => {
     const size = concept.members.length;
     const bar = element("button", { className: "column", onclick: () => toggle(rank),
@@ -32,7 +33,7 @@ function rankedBars() {
         + (hasLabels ? `, purity ${percent(concept.purity)}, rank score ${concept.score}` : "")
         + `, lifetime ${lifetime(concept).toFixed(2)}` },
     hasLabels ? mixBar(concept) : element("span", { className: "whole" }, element("span", {
-      style: { height: `${Math.max(2, 100 * lifetime(concept))}%`, background: conceptColour(rank) } })),
+      style: { height: `${Math.max(2, 100 * lifetime(concept) / longest)}%`, background: conceptColour(rank) } })),
     element("span", { className: "column-size" }, element("span", {
       style: { height: `${100 * size / largest}%`, background: conceptColour(rank) } })),
     element("span", { className: "column-number", textContent: concept.number }));
@@ -41,18 +42,17 @@ function rankedBars() {
   });
   return element("figure", {},
     element("h3", { textContent: hasLabels ? "Ranked by how pure and how large they are" : "Ranked by size and lifetime" }),
-    hasLabels ? legend(labels.map((label, i) => [labelColour(i), label])) : "",
     element("div", { className: "columns", style: { "--n": concepts.length } }, ...columns),
     element("figcaption", { textContent: hasLabels
       ? "Upper bars: the labels of a concept's scans, each by its share. Lower bars: how many scans it has, "
         + `${largest} at most. The best is on the left: rank score = size / (1 − purity + 0.001), where purity is the `
         + "share of the commonest label. The labels came with the scans; nothing was learned from them."
-      : `Upper bars: lifetime, the span of time through which the group stays as it is. Lower bars: number of scans, ${largest} at most. `
+      : `Upper bars: lifetime, the span of time through which the group stays as it is, ${longest.toFixed(2)} at most. Lower bars: number of scans, ${largest} at most. `
         + "No scan has a label, so concepts are ranked by size × lifetime." }));
 }
 
-function legend(entries) {
-  return element("p", { className: "legend" }, ...entries.map(([colour, text]) => element("span", {},
+function legend(entries, text = "") {
+  return element("p", { className: "legend" }, text, ...entries.map(([colour, text]) => element("span", {},
     element("span", { className: "key", style: { background: colour } }), named(text))));
 }
 
@@ -72,6 +72,7 @@ function fillGlance(section) {
     element("p", { textContent: "A shape concept is a group of scans that stay together for a while as likeness is taken ever "
       + "more loosely. Here is the most typical scan of each, its medoid. Turn them; point at one to find it in every "
       + "figure below, click to hold on to it." }),
+    hasLabels ? legend(labels.map((label, i) => [labelColour(i), label]), "Labels of a concept’s scans:") : "",
     grid);
   if (concepts.length > 24) {
     const more = element("button", { className: "more", textContent: `Show all ${concepts.length} concepts`, onclick: () => {

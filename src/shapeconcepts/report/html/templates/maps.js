@@ -21,10 +21,13 @@ function treeFigure() {
   };
   return mapFigure("The spanning tree",
     "Every dot is a scan; a line joins it to the one most like it, so that all hang together with the least "
-    + "difference in total. Only the pattern of the lines counts, not their length. Twigs at the rim are cold: their "
-    + "scans have close kin and little else. The middle, through which all paths run, is hot.",
+    + "difference in total. Only the pattern of the lines counts, not their length. A scan is cold where it is many lines "
+    + "away from the rest: the tips of the twigs. The middle, near to all, is hot, and there unlike things meet.",
     `Spanning tree of ${nVertices} places`, { pairs: filtration.edges, place });
 }
+
+// As in filtration_layout.py.
+const radius = (time) => 0.06 + 0.94 * Math.sqrt(1 - time);
 
 function graphFigure() {
   const disc = (width, height) => [width / 2, height / 2, Math.min(width, height) / 2 - 24];
@@ -36,7 +39,7 @@ function graphFigure() {
     const [cx, cy, r] = disc(width, height);
     const ring = (time, colour, line) => {
       context.beginPath();
-      context.arc(cx, cy, r * Math.sqrt(1 - time), 0, 2 * Math.PI);
+      context.arc(cx, cy, r * radius(time), 0, 2 * Math.PI);
       context.strokeStyle = colour;
       context.lineWidth = line;
       context.stroke();
@@ -47,7 +50,7 @@ function graphFigure() {
     for (const time of [0, 0.25, 0.5, 0.75]) {
       ring(time, "#eceae4", 1);
       context.fillStyle = "#8b8f99";
-      context.fillText(time ? time : "time 0", cx, cy + r * Math.sqrt(1 - time) + 8);
+      context.fillText(time ? time : "time 0", cx, cy + r * radius(time) + 8);
     }
     if (filtration.epsilonMax !== null) {
       context.setLineDash([5, 5]);
@@ -58,8 +61,8 @@ function graphFigure() {
   };
   return mapFigure("The filtration graph F: who annexed whom",
     "The same dots, now by the time at which each was annexed: early at the rim, late towards the middle, where the one "
-    + "is left that outlives all. A line leads to the class that did it. The orange circle is now: what hangs "
-    + "together outside of it is a group.",
+    + "is left that outlives all. A line leads to the class that did it. The orange circle is now: every dot outside of it "
+    + "has been annexed, and the dots that hang on the same one inside are a group.",
     `Filtration graph F with ${filtration.annexations.length} annexations`,
     { pairs: filtration.annexations, place, backdrop });
 }

@@ -1,6 +1,6 @@
 // The page from top to bottom.
 function fact(number, text) {
-  return element("div", { className: "fact" }, element("strong", { textContent: number }), element("span", { textContent: text }));
+  return element("div", { className: "fact" }, element("strong", { textContent: number.toLocaleString("en") }), element("span", { textContent: text }));
 }
 
 function fillHeader(header) {
@@ -11,7 +11,7 @@ function fillHeader(header) {
     element("p", { className: "kicker", textContent: "shapeconcepts" }),
     element("h1", {}, named(contents.title)),
     element("p", { className: "lead", textContent: concepts.length
-      ? `Given ${plural(nScans + nUnread, "scan")} and no label, these shapes turned out to belong together.`
+      ? `${plural(nScans, "scan")} went in, no label was looked at, and these shapes turned out to belong together.`
       : `${plural(nScans + nUnread, "scan")}, and no group among them that holds its own.` }),
     element("div", { className: "facts" },
       fact(nScans + nUnread, nScans + nUnread === 1 ? "scan" : "scans"),
@@ -48,7 +48,7 @@ function timeControl() {
   const play = element("button", { textContent: "▶ play", onclick: () => {
     if (playing !== null) { stop(); return; }
     play.textContent = "❚❚ pause";
-    const start = performance.now(), from = state.time >= 1 ? 0 : state.time;
+    const start = performance.now(), from = state.time >= 1 || state.time === filtration.epsilonMax ? 0 : state.time;
     const advance = (now) => {
       const time = Math.min(1, from + (now - start) / 9000);
       change({ time });
@@ -73,10 +73,10 @@ function timeControl() {
 function fillHow(section) {
   if (nVertices < 2) return;
   section.append(
-    element("div", { className: "narrow" }, element("h2", { textContent: "How they came about" }),
+    element("div", { className: "narrow" }, element("h2", { textContent: concepts.length ? "How they came about" : "How the scans hang together" }),
       element("p", { textContent: "What each scan is made of becomes a vector of stimuli, and scans with like stimuli are neighbours. "
         + "Then time runs: from the coldest twigs to the hot middle, neighbours join, and the larger group annexes the smaller. "
-        + "At time 0 every scan is alone, at time 1 all are one; the concepts lie in between. Pull the time and watch." })),
+        + "At time 0 every scan is alone, at time 1 all are one; concepts lie in between. Pull the time and watch." })),
     element("div", { className: "controls" }, timeControl(), colouringChoice()),
     element("div", { className: "pair" }, treeFigure(), graphFigure()),
     timelineFigure());
@@ -124,4 +124,7 @@ fillOutside(document.getElementById("outside"));
 fillLeftOut(document.getElementById("left-out"));
 fillMade(document.getElementById("made"));
 followSelection(document.getElementById("selection"));
-document.documentElement.dataset.ready = Math.round(performance.now());
+// Two frames on, what is in sight has been drawn; the milliseconds since the file was opened are kept.
+requestAnimationFrame(() => requestAnimationFrame(() => {
+  document.documentElement.dataset.ready = Math.round(performance.now());
+}));

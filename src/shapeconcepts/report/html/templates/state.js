@@ -5,10 +5,12 @@ const hasLabels = labels.length > 0;
 const nVertices = filtration.heat.length;
 const nScans = scans.names.length;
 
-// Categorical colours that colour-blind readers tell apart too (P. Tol's "muted", and Okabe and Ito's).
+// Categorical colours that colour-blind readers tell apart too (P. Tol's "muted"; Okabe and Ito's, and what lies
+// farthest from those in CIELAB under normal and simulated red- and green-blind vision).
 // Numbers say what colours cannot where there are more concepts than colours.
 const CONCEPT_COLOURS = ["#332288", "#cc6677", "#117733", "#ddaa33", "#88ccee", "#882255", "#44aa99", "#999933", "#aa4499", "#3f78c9"];
-const LABEL_COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#b8a800", "#4b3f72", "#7a5c3e", "#8fbf9f", "#b24c63", "#5f6b7a"];
+const LABEL_COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#554400", "#bbcc66",
+  "#ee1155", "#112299", "#ffbb99", "#990088", "#662222", "#88ccb0", "#7700cc", "#7f8794"];
 const NONE_COLOUR = "#b9bcc4", INK = "#1d2433", FAINT = "#d9dade", ACCENT = "#c2410c";
 const conceptColour = (rank) => (rank < 0 ? NONE_COLOUR : CONCEPT_COLOURS[rank % CONCEPT_COLOURS.length]);
 const labelColour = (label) => (label < 0 ? NONE_COLOUR : LABEL_COLOURS[label % LABEL_COLOURS.length]);

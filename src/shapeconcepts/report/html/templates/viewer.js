@@ -17,7 +17,7 @@ function openViewer(group, at) {
     element("p", {}, named(scans.names[scan], "scan-name")),
     element("p", { className: "quiet", textContent: [where, label, across].filter(Boolean).join(" · ") }),
     group.length > 1 ? element("p", { className: "steps" },
-      element("button", { textContent: "‹ before", onclick: () => step(-1) }),
+      element("button", { textContent: "‹ previous", onclick: () => step(-1) }),
       element("span", { className: "quiet", textContent: `${at + 1} of ${group.length}` }),
       element("button", { textContent: "next ›", onclick: () => step(1) })) : "",
     element("p", { className: "quiet small", textContent: "Drag or use the arrow keys to turn it. One colour is one surface." }),
@@ -62,5 +62,8 @@ function showTip(scan, clientX, clientY, note) {
   const box = tip.getBoundingClientRect();
   const left = clientX + 16 + box.width > window.innerWidth ? clientX - 16 - box.width : clientX + 16;
   tip.style.left = `${Math.max(4, left)}px`;
-  tip.style.top = `${Math.max(4, Math.min(clientY - box.height / 2, window.innerHeight - box.height - 4))}px`;
+  // On a narrow window it would cover what it is about.
+  const middle = window.innerWidth < 600 ? clientY - box.height / 2 - 24 : clientY;
+  tip.style.top = `${Math.max(4, Math.min(middle - box.height / 2, window.innerHeight - box.height - 4))}px`;
 }
+window.addEventListener("scroll", () => showTip(null), { passive: true });

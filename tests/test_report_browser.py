@@ -1,0 +1,190 @@
+"""The report in a real browser."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from report_models import HOSTILE, WITHOUT_CONCEPTS, ball, grouped_stimuli, hostile_model, model_of
+from shapeconcepts.report.html import preview, write_report
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+QUIET = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"]
+QUIET += ["--disable-background-networking", "--disable-component-update", "--disable-sync"]
+
+# Counts every 3-D context that a page asks for.
+COUNT_CONTEXTS = """
+window.contexts = 0;
+const original = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+  if (kind !== "2d") window.contexts += 1;
+  return original.call(this, kind, ...rest);
+};
+"""
+
+
+class Reader:
+    """A page, with everything that it complained about and asked the network for.
+
+    It closes the page before it, for which nobody waits any more.
+    """
+
+    def __init__(self, browser, path: Path, width: int = 1200, height: int = 900):
+        for old in browser.contexts:
+            old.close()
+        self.page = browser.new_page(viewport={"width": width, "height": height}, reduced_motion="reduce")
+        self.complaints: list[str] = []
+        self.requests: list[str] = []
+        self.page.on("console", lambda message: self.complaints.append(message.text))
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.set_default_timeout(10_000)
+        self.page.add_init_script(COUNT_CONTEXTS)
+        self.page.goto(path.as_uri())
+        self.page.wait_for_selector("html[data-ready]", state="attached")
+
+    def settle(self) -> None:
+        """Wait until what was asked for has been drawn: changes are drawn in the next frame."""
+        frame = "() => new Promise(done => requestAnimationFrame(() => setTimeout(done, 30)))"
+        for _ in range(3):
+            self.page.evaluate(frame)
+
+    def pixels(self, selector: str, at: int = 0) -> str:
+        return self.page.evaluate(
+            "([selector, at]) => document.querySelectorAll(selector)[at].toDataURL()", [selector, at]
+        )
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[object]:
+    playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright")
+    if CHROMIUM is None:
+        pytest.skip("needs a Chromium on the path, and there is none")
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=QUIET)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def thousand(tmp_path_factory) -> Path:
+    rows, labels = grouped_stimuli(1000, 12)
+    path = tmp_path_factory.mktemp("report") / "thousand.html"
+    shown = [preview(ball(seed=i)) for i in range(10)]
+    write_report(path, model_of(rows, labels), [shown[i % 10] for i in range(1000)])
+    return path
+
+
+def test_a_thousand_scans_are_soon_there_and_few_are_drawn_at_a_time(browser, thousand):
+    reader = Reader(browser, thousand)
+    page = reader.page
+    assert int(page.evaluate("document.documentElement.dataset.ready")) < 3000
+    n_tiles = page.locator("#glance .tile").count()
+    assert n_tiles > 1 and page.locator("#concepts article").count() >= n_tiles
+    page.evaluate("document.querySelectorAll('#concepts .more, #outside .more').forEach(b => b.click())")
+    most = 0
+    for y in range(0, page.evaluate("document.documentElement.scrollHeight"), 6000):
+        page.evaluate("y => window.scrollTo({ top: y, behavior: 'instant' })", y)
+        reader.settle()
+        drawn = "[...document.querySelectorAll('canvas')].filter(c => c.width > 0).length"
+        most = max(most, page.evaluate(drawn))
+    assert page.locator("#concepts canvas.scan, #outside canvas.scan").count() == 1000
+    assert 10 < most < 200
+    assert page.evaluate("window.contexts") <= 8
+    assert reader.complaints == [] and reader.requests == [thousand.as_uri()]
+
+
+def test_dragging_turns_a_scan_and_clicking_enlarges_it(browser, thousand):
+    reader = Reader(browser, thousand)
+    page = reader.page
+    page.locator("#glance canvas.scan").first.scroll_into_view_if_needed()
+    reader.settle()
+    before, neighbour = reader.pixels("#glance canvas.scan"), reader.pixels("#glance canvas.scan", 1)
+    box = page.locator("#glance canvas.scan").first.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 40, y + 10, steps=4)
+    page.mouse.up()
+    reader.settle()
+    assert reader.pixels("#glance canvas.scan") != before
+    assert reader.pixels("#glance canvas.scan", 1) == neighbour
+    assert not page.evaluate("document.getElementById('viewer').open")
+    page.mouse.click(x, y)
+    assert page.evaluate("document.getElementById('viewer').open")
+    large = reader.pixels("#viewer canvas")
+    page.keyboard.press("ArrowRight")
+    reader.settle()
+    assert reader.pixels("#viewer canvas") != large
+    name = page.locator("#viewer .scan-name").inner_text()
+    page.keyboard.press("PageDown")
+    assert page.locator("#viewer .scan-name").inner_text() != name
+    page.keyboard.press("Escape")
+    assert not page.evaluate("document.getElementById('viewer').open")
+    assert reader.complaints == []
+
+
+def test_a_concept_is_highlighted_in_every_figure(browser, thousand):
+    reader = Reader(browser, thousand)
+    page = reader.page
+    page.locator("#how").scroll_into_view_if_needed()
+    reader.settle()
+    figures = ["canvas.map", "canvas.map", "canvas.timeline"]
+    plain = [reader.pixels(name, at) for name, at in zip(figures, (0, 1, 0), strict=True)]
+    page.locator(".tile-name").nth(1).click()
+    page.mouse.move(1, 1)
+    reader.settle()
+    lit = [reader.pixels(name, at) for name, at in zip(figures, (0, 1, 0), strict=True)]
+    assert all(a != b for a, b in zip(plain, lit, strict=True))
+    assert page.locator(".tile.is-lit").count() == 1 and page.locator("article.is-lit").count() == 1
+    assert page.locator("#selection").is_visible()
+    page.keyboard.press("Escape")
+    reader.settle()
+    assert [reader.pixels(name, at) for name, at in zip(figures, (0, 1, 0), strict=True)] == plain
+
+
+def test_time_can_be_pulled(browser, thousand):
+    reader = Reader(browser, thousand)
+    slider, said = reader.page.locator("input[type=range]"), reader.page.locator("output")
+    slider.fill("1")
+    reader.settle()
+    assert "1 class," in said.inner_text()
+    slider.fill("0")
+    reader.settle()
+    assert "1,000 classes" in said.inner_text()
+
+
+def test_hostile_names_do_nothing(browser, tmp_path):
+    path = tmp_path / "r.html"
+    unread = [(name, name) for name in HOSTILE]
+    write_report(path, hostile_model(), [preview(ball(), 50)] * 40, unread=unread, title=HOSTILE[0])
+    reader = Reader(browser, path)
+    page = reader.page
+    page.evaluate("document.querySelectorAll('.more').forEach(button => button.click())")
+    page.locator("#concepts canvas.scan").first.click()
+    assert page.evaluate("window.attacked") is None
+    assert page.locator("h1").inner_text() == HOSTILE[0]
+    assert page.locator("#left-out th").first.text_content() == HOSTILE[0]
+    assert page.locator("img").count() == 0
+    assert reader.complaints == [] and reader.requests == [path.as_uri()]
+
+
+@pytest.mark.parametrize("kind", ["one scan", "no stimuli at all", "star"])
+def test_models_without_concepts(browser, tmp_path, kind):
+    rows = WITHOUT_CONCEPTS[kind]
+    write_report(tmp_path / "r.html", model_of(rows), [preview(ball(), 50)] * len(rows))
+    reader = Reader(browser, tmp_path / "r.html")
+    assert reader.complaints == []
+    assert "No concepts" in reader.page.locator("#glance").inner_text()
+    assert reader.page.locator("#outside canvas.scan").count() == len(rows)
+
+
+def test_without_labels_on_a_phone(browser, tmp_path):
+    rows, _ = grouped_stimuli(40, 4)
+    names = ["a-very-long-name-without-any-place-to-break-" * 5] * 40
+    write_report(tmp_path / "r.html", model_of(rows, None, names), [None] + [preview(ball(), 50)] * 39)
+    reader = Reader(browser, tmp_path / "r.html", 375, 700)
+    assert reader.complaints == []
+    assert reader.page.evaluate("document.documentElement.scrollWidth") == 375
+    assert "lifetime" in reader.page.locator("#glance figure").inner_text()
