@@ -1,5 +1,5 @@
 # Everything happens in a virtual environment inside the clone; only Python 3.11 to 3.13, pip and make are needed.
-#   make demo    simulate scans, segment them, draw the result
+#   make demo    simulate scans, learn shape concepts from them, write a report to look at
 #   make test    lint, check types, run the tests
 #   make benchmark    measure every figure of BENCHMARK.md (Open3D needs libusb-1.0 and libgl1 of the system)
 # Choose the interpreter with `make PYTHON=python3.12 ...`.
@@ -13,9 +13,12 @@ DEMO = demo-output
 
 demo: $(VENV)/installed
 	@rm -rf $(DEMO)
-	$(BIN)/shapeconcepts simulate $(DEMO)/scans --n-per-category 4 --random-state 1
-	$(BIN)/shapeconcepts segment $(DEMO)/scans --image $(DEMO)/segments.png
-	@echo "The picture is $(CURDIR)/$(DEMO)/segments.png"
+	$(BIN)/shapeconcepts simulate $(DEMO)/scans --n-per-category 12
+	@echo "The first time, kernels are compiled, which takes up to a minute"
+	$(BIN)/shapeconcepts learn $(DEMO)/scans --model $(DEMO)/model.safetensors --report $(DEMO)/report.html
+	@echo "Open $(CURDIR)/$(DEMO)/report.html in a browser. What next:"
+	@echo "  $(BIN)/shapeconcepts respond $(DEMO)/model.safetensors $(DEMO)/scans/can"
+	@echo "  $(BIN)/shapeconcepts explain $(DEMO)/model.safetensors $(DEMO)/scans/can/can_000.pcd --image why.png"
 
 test: lint
 	@$(BIN)/python -m pytest

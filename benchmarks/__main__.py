@@ -1,4 +1,4 @@
-"""Runs every benchmark, one after the other: about ten minutes on the machine of BENCHMARK.md.
+"""Runs every benchmark, one after the other: about half an hour on the machine of BENCHMARK.md.
 
     python -m benchmarks
 
@@ -19,6 +19,13 @@ COMMANDS = (
     "speed.py",
     "fpfh_agreement.py",
     "growth.py",
+    "discrimination.py",
+    "stimuli_ablation.py --repeats 2",
+    "motif_rigid_motion.py",
+    "motif_speed.py",
+    "spanning_tree.py",
+    "filtration_growth.py",
+    "learn.py",
     "start.py",
 )
 

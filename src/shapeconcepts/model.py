@@ -156,9 +156,10 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         UserWarning
             If the filtration finds no concepts.
         """
-        described, self.skipped_ = self._describe(X)
-        self.scan_names_ = [one.name if one else "" for one in described]
-        self.scan_labels_ = [one.label if one else None for one in described]
+        scans = list(X)
+        described, self.skipped_ = self._describe(scans)
+        self.scan_names_ = [str(getattr(scan, "name", "") or "") for scan in scans]
+        self.scan_labels_ = [getattr(scan, "label", None) for scan in scans]
         dictionary = SegmentDictionary(self.n_levels, self.word_metric)
         self.ensemble_ = MotifHierarchyEnsemble(
             dictionary,

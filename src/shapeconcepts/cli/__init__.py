@@ -3,21 +3,40 @@
 from __future__ import annotations
 
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from shapeconcepts import __version__
+from shapeconcepts.cli.explain_command import explain
+from shapeconcepts.cli.info_command import info
+from shapeconcepts.cli.learn_command import learn
+from shapeconcepts.cli.respond_command import respond
 from shapeconcepts.cli.segment_command import segment
 from shapeconcepts.cli.simulate_command import simulate
-from shapeconcepts.cli.terminal import fail_for_output
+from shapeconcepts.cli.terminal import INTERRUPTED, fail_for_output, say
+
+
+class _Commands(TyperGroup):
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            say("Interrupted")
+            raise typer.Exit(INTERRUPTED) from None
+
 
 app = typer.Typer(
     name="shapeconcepts",
-    help="Finds the surfaces that scanned objects are made of, from point clouds of a Kinect-like sensor.",
+    cls=_Commands,
+    help=(
+        "Learns what shapes a set of scanned objects have in common, without labels, from point clouds of a "
+        "Kinect-like sensor."
+    ),
     epilog=(
         "Start with `shapeconcepts simulate scans`, then "
-        "`shapeconcepts segment scans --image segments.png`. "
+        "`shapeconcepts learn scans --model m.safetensors --report report.html`, and open report.html. "
         "Each command has its own `--help`."
     ),
     rich_markup_mode="markdown",
@@ -25,6 +44,36 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_show_locals=False,
 )
+app.command(
+    epilog=(
+        "Examples:\n\n"
+        "shapeconcepts learn scans/ --model m.safetensors --report report.html\n\n"
+        "shapeconcepts learn scans/ --model paper.safetensors --preset paper --min-size 5\n\n"
+        "shapeconcepts learn --model demo.safetensors --report demo.html"
+    )
+)(learn)
+app.command(
+    epilog=(
+        "Examples:\n\n"
+        "shapeconcepts respond m.safetensors new/\n\n"
+        "shapeconcepts respond m.safetensors new/ --format csv > responses.csv\n\n"
+        "shapeconcepts respond m.safetensors new/ --format parquet --output responses.parquet"
+    )
+)(respond)
+app.command(
+    epilog=(
+        "Examples:\n\n"
+        "shapeconcepts explain m.safetensors mug.pcd --image why.png --training-data scans/\n\n"
+        "shapeconcepts explain m.safetensors learn33.pcd --object 3"
+    )
+)(explain)
+app.command(
+    epilog=(
+        "Examples:\n\n"
+        "shapeconcepts info m.safetensors\n\n"
+        "shapeconcepts info m.safetensors --name 0=mugs --name 3=boxes"
+    )
+)(info)
 app.command(
     epilog=(
         "Examples:\n\n"

@@ -3,14 +3,28 @@
 from __future__ import annotations
 
 import json
-from io import BytesIO
+from functools import partial
 from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from shapeconcepts.cli.terminal import fail, print_table, progress, say
+from shapeconcepts.cli.object_reader import in_order, useful_jobs
+from shapeconcepts.cli.options import (
+    DepthScale,
+    Intrinsics,
+    Jobs,
+    Json,
+    Mask,
+    Strict,
+    VoxelSize,
+    check_jobs,
+    read_options,
+    scan_files,
+)
+from shapeconcepts.cli.pictures import check_picture_path, save_picture
+from shapeconcepts.cli.terminal import fail, print_table, progress, say_skipped
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -45,38 +59,11 @@ def segment(
             help="Draw the segments, one colour each, into this file; several scans make a contact sheet.",
         ),
     ] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON document instead of the table.")
-    ] = False,
-    voxel_size: Annotated[
-        float | None,
-        typer.Option(
-            min=1e-4,
-            max=1.0,
-            metavar="METRES",
-            help="Edge length of the voxels that points are merged into; by default it suits each scan.",
-            show_default="auto",
-        ),
-    ] = None,
-    intrinsics: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FX,FY,CX,CY",
-            help="Of depth images: focal lengths and principal point in pixels.",
-            show_default="a Kinect's, for 640 x 480 pixels",
-        ),
-    ] = None,
-    depth_scale: Annotated[
-        float, typer.Option(metavar="METRES", help="Of depth images: metres per unit of depth.")
-    ] = 0.001,
-    mask: Annotated[
-        Path | None,
-        typer.Option(
-            exists=True,
-            help="Of depth images: an image that is not 0 where the object is, or a folder with one for each "
-            "depth image, of the same name.",
-        ),
-    ] = None,
+    as_json: Json = False,
+    voxel_size: VoxelSize = None,
+    intrinsics: Intrinsics = None,
+    depth_scale: DepthScale = 0.001,
+    mask: Mask = None,
     seed_size: Annotated[
         float,
         typer.Option(
@@ -87,14 +74,8 @@ def segment(
         int,
         typer.Option(min=1, metavar="N", help="Most segments of an object; above, the smallest are merged."),
     ] = 12,
-    n_jobs: Annotated[
-        int,
-        typer.Option(metavar="N", help="Scans worked on at a time; -1 uses all cores. It changes no result."),
-    ] = 1,
-    strict: Annotated[
-        bool,
-        typer.Option("--strict", help="Stop at the first scan that cannot be used, instead of skipping it."),
-    ] = False,
+    jobs: Jobs = -1,
+    strict: Strict = False,
 ) -> None:
     """Cut scans into the surface segments they are made of.
 
@@ -102,24 +83,13 @@ def segment(
     Scans that cannot be used are skipped and listed at the end. The exit code is 0 if at least one scan was
     segmented (with --strict: all of them), 1 if not, and 2 if the command line is wrong.
     """
-    from joblib import Parallel, delayed
-
-    from shapeconcepts.io.collection import find_scan_files
-    from shapeconcepts.scan import ScanError
+    from shapeconcepts.report import contact_sheet
 
     if image is not None:
-        _check_image_path(image)
-    reading = _read_options(intrinsics, depth_scale, mask)
-    if n_jobs == 0:
-        raise typer.BadParameter("must not be 0", param_hint="--n-jobs")
-    try:
-        files = find_scan_files(scans)
-    except ScanError as error:
-        fail(str(error))
-    if mask is not None and not any(file.path.suffix.lower() == ".png" for file in files):
-        raise typer.BadParameter(
-            f"is for depth images (.png), got {mask}, but there is none among the scans", param_hint="--mask"
-        )
+        check_picture_path(image, "--image")
+    reading = read_options(intrinsics, depth_scale, mask)
+    check_jobs(jobs)
+    files = scan_files(scans, mask)
 
     options = {
         "voxel_size": "auto" if voxel_size is None else voxel_size,
@@ -131,10 +101,9 @@ def segment(
     failed = False
     # Running jobs are not cancelled, which can hang joblib: no more are started, and those that run finish.
     wanted = takewhile(lambda file: not (strict and failed), files)
-    jobs = Parallel(n_jobs=n_jobs, return_as="generator")(
-        delayed(_segment_file)(file, reading, options, picture_size) for file in wanted
-    )
-    for result in progress(jobs, len(files), "Segmenting"):
+    work = partial(_segment_file, reading=reading, options=options, picture_size=picture_size)
+    working = in_order(work, wanted, useful_jobs(jobs, len(files)))
+    for result in progress(working, len(files), "Segmenting"):
         failed = failed or result.summary is None
         results.append(result)
 
@@ -143,40 +112,16 @@ def segment(
     if strict and skipped:
         fail(skipped[0].reason)
     drawn = [result.picture for result in results if result.picture is not None]
-    saved = image is None or not drawn or _save_sheet(drawn, image)
+    saved = image is None or not drawn or save_picture(contact_sheet(drawn), image)
     if as_json:
         reasons = [{"name": result.name, "reason": result.reason} for result in skipped]
         typer.echo(json.dumps({"scans": summaries, "skipped": reasons}, indent=2, allow_nan=False))
     elif summaries:
         titles = ("scan", "points", "voxels", "segments", "sizes", "neighbours")
         print_table(titles, [_row(summary) for summary in summaries])
-    if skipped:
-        say(f"Skipped {len(skipped)} of {len(files)} scans:")
-        for result in skipped:
-            say(f"  {result.reason}")
+    say_skipped([(result.name, result.reason) for result in skipped], len(files))
     if not summaries or not saved:
         raise typer.Exit(1)
-
-
-def _read_options(intrinsics: str | None, depth_scale: float, mask: Path | None) -> ReadOptions:
-    from shapeconcepts.io.depth_image import check_camera
-
-    camera = None
-    if intrinsics is not None:
-        try:
-            fx, fy, cx, cy = map(float, intrinsics.split(","))
-            camera = (fx, fy, cx, cy)
-            check_camera(camera, 1.0)
-        except ValueError:
-            raise typer.BadParameter(
-                f"must be 4 finite numbers FX,FY,CX,CY in pixels, FX and FY > 0, got {intrinsics!r}",
-                param_hint="--intrinsics",
-            ) from None
-    try:
-        check_camera(None, depth_scale)
-    except ValueError as error:
-        raise typer.BadParameter(str(error), param_hint="--depth-scale") from None
-    return {"intrinsics": camera, "depth_scale": depth_scale, "mask": mask}
 
 
 def _segment_file(
@@ -247,34 +192,3 @@ def _picture_size(n_pictures: int) -> int:
     if n_pictures == 1:
         return 960
     return 400 if n_pictures <= 100 else 240
-
-
-def _check_image_path(image: Path) -> None:
-    """Complain before the work is done, not after."""
-    from PIL import Image
-
-    formats = Image.registered_extensions()
-    if formats.get(image.suffix.lower()) not in Image.SAVE:
-        raise typer.BadParameter(
-            f"{image} must end in .png, .jpg or another picture format", param_hint="--image"
-        )
-    if not image.parent.is_dir():
-        raise typer.BadParameter(f"the folder {image.parent} does not exist", param_hint="--image")
-
-
-def _save_sheet(pictures: list[Image], path: Path) -> bool:
-    """Whether the picture could be written; the user is told either way."""
-    from PIL import Image
-
-    from shapeconcepts.io.atomic_write import write_atomically
-    from shapeconcepts.report import contact_sheet
-
-    content = BytesIO()
-    try:
-        contact_sheet(pictures).save(content, Image.registered_extensions()[path.suffix.lower()])
-        write_atomically(path, content.getvalue())
-    except (OSError, ValueError) as error:  # some formats hold no picture of this size or kind
-        say(f"Error: cannot write {path}: {getattr(error, 'strerror', None) or error}")
-        return False
-    say(f"Wrote {path}")
-    return True

@@ -1,0 +1,102 @@
+"""What the commands say about the concepts of a model."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+from shapeconcepts.cli.terminal import print_table
+
+if TYPE_CHECKING:
+    from shapeconcepts.model import ShapeConceptModel
+
+UNKNOWN = "unknown"
+_LABELS_SHOWN = 4
+
+
+def concept_summaries(model: ShapeConceptModel) -> list[dict[str, Any]]:
+    """What JSON says of the concepts: plain values, in the order of their numbers."""
+    summaries = []
+    for number, concept in enumerate(model.concepts_):
+        labels = Counter(
+            label for label in (model.scan_labels_[i] for i in concept.members) if label is not None
+        )
+        summaries.append(
+            {
+                "number": number,
+                "name": concept.name,
+                "size": concept.size,
+                "birth": concept.birth,
+                "death": concept.death if concept.death <= 1 else None,
+                "lifetime": concept.lifetime,
+                "medoid": model.scan_names_[concept.medoid],
+                "labels": dict(labels.most_common()),
+                "members": [model.scan_names_[i] for i in concept.members],
+            }
+        )
+    return summaries
+
+
+def model_summary(model: ShapeConceptModel) -> dict[str, Any]:
+    """What JSON says of a model."""
+    parameters = {name: value for name, value in model.get_params(deep=False).items() if name != "n_jobs"}
+    return {
+        "n_scans": len(model.scan_names_),
+        "n_motifs": model.stimuli_.shape[1],
+        "epsilon_max": model.filtration_.epsilon_max,
+        "parameters": {
+            name: value if isinstance(value, str | int | float | bool | None) else repr(value)
+            for name, value in parameters.items()
+        },
+        "concepts": concept_summaries(model),
+        "in_no_concept": [
+            name for name, label in zip(model.scan_names_, model.labels_, strict=True) if label < 0
+        ],
+    }
+
+
+def print_concepts(model: ShapeConceptModel) -> None:
+    """The concepts of a model as a table."""
+    summaries = concept_summaries(model)
+    if not summaries:
+        return
+    named = any(summary["name"] for summary in summaries)
+    labelled = any(summary["labels"] for summary in summaries)
+    titles = ["concept", *["name"] * named, "scans", "lifetime", *["labels"] * labelled, "typical scan"]
+    rows = []
+    for summary in summaries:
+        rows.append(
+            [
+                str(summary["number"]),
+                *[summary["name"]] * named,
+                str(summary["size"]),
+                f"{summary['lifetime']:.3f}",
+                *[_shares(summary["labels"], summary["size"])] * labelled,
+                summary["medoid"],
+            ]
+        )
+    print_table(titles, rows, folding="typical scan")
+
+
+def in_words(model: ShapeConceptModel) -> str:
+    """What was learned, as a sentence."""
+    n_scans, n_concepts = len(model.scan_names_), len(model.concepts_)
+    n_in = int((model.labels_ >= 0).sum())
+    if n_concepts == 0:
+        return f"{n_scans} scans, no concept"
+    return (
+        f"{n_concepts} concepts with {n_in} of {n_scans} scans ({n_in / n_scans:.0%}), "
+        f"at time {model.filtration_.epsilon_max:.3f}; {n_scans - n_in} scans are in no concept"
+    )
+
+
+def concept_title(model: ShapeConceptModel, number: int) -> str:
+    """Name of a concept where it has one, else its number; "unknown" for -1."""
+    if number < 0:
+        return UNKNOWN
+    return model.concepts_[number].name or str(number)
+
+
+def _shares(counts: dict[str, int], size: int) -> str:
+    shares = [f"{label} {count / size:.0%}" for label, count in counts.items()]
+    return ", ".join(shares[:_LABELS_SHOWN]) + (" …" if len(shares) > _LABELS_SHOWN else "")

@@ -1,0 +1,254 @@
+"""`shapeconcepts learn`: from scans to concepts, a model and a report."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+
+import typer
+
+from shapeconcepts.cli.concept_summary import in_words, model_summary, print_concepts
+from shapeconcepts.cli.model_input import one_thread, segmentation_parameters
+from shapeconcepts.cli.object_reader import ObjectReader, SimulatedObject, read_objects
+from shapeconcepts.cli.options import (
+    DepthScale,
+    Intrinsics,
+    Jobs,
+    Json,
+    Mask,
+    Scenes,
+    Strict,
+    VoxelSize,
+    check_jobs,
+    read_options,
+    scan_files,
+)
+from shapeconcepts.cli.terminal import (
+    INTERRUPTED,
+    busy,
+    check_writable,
+    fail,
+    progress,
+    say,
+    say_skipped,
+    warnings_said,
+)
+
+if TYPE_CHECKING:
+    from shapeconcepts.descriptors import DescribedObject
+    from shapeconcepts.io.collection import ScanFile
+    from shapeconcepts.model import ShapeConceptModel
+    from shapeconcepts.report.html import ScanPreview
+    from shapeconcepts.segmentation.segment_cache import SegmentCache
+
+_SIMULATED_PER_CATEGORY = 66
+
+
+class _Collection(NamedTuple):
+    """What the scans gave."""
+
+    described: list[DescribedObject]
+    previews: list[ScanPreview]
+    skipped: list[tuple[str, str]]
+
+
+def learn(
+    model: Annotated[
+        Path,
+        typer.Option(metavar="MODEL", show_default=False, help="File to write the model to (.safetensors)."),
+    ],
+    data: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="DATA",
+            show_default="66 simulated scans of each of seven categories",
+            help="Files and folders of point clouds, depth images or meshes, one object each, or of labelled "
+            "scenes. A sub-folder's name is the label of its scans; nothing is learned from labels.",
+        ),
+    ] = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="REPORT.html",
+            help="Write a page to look at, which opens in any browser, without a network.",
+        ),
+    ] = None,
+    preset: Annotated[
+        Literal["default", "paper"],
+        typer.Option(help="Where the parameters start from: the best known ones, or the paper's."),
+    ] = "default",
+    min_size: Annotated[
+        int | None,
+        typer.Option(min=2, metavar="N", show_default="3", help="Smallest number of scans in a concept."),
+    ] = None,
+    descriptor: Annotated[
+        Literal["surflet", "fpfh"] | None,
+        typer.Option(
+            show_default="surflet, paper: fpfh", help="What describes a segment: pairs of points, or FPFH."
+        ),
+    ] = None,
+    levels: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            max=16,
+            metavar="N",
+            show_default="8, paper: 4",
+            help="Levels of the dictionary; n has 2^n words.",
+        ),
+    ] = None,
+    bandwidth: Annotated[
+        float | None,
+        typer.Option(
+            min=1e-6,
+            metavar="BITS",
+            show_default="0.1, paper: 0.025",
+            help="How far two descriptions may differ and still resemble each other (the paper's sigma).",
+        ),
+    ] = None,
+    voxel_size: VoxelSize = None,
+    scenes: Scenes = None,
+    intrinsics: Intrinsics = None,
+    depth_scale: DepthScale = 0.001,
+    mask: Mask = None,
+    jobs: Jobs = -1,
+    no_cache: Annotated[
+        bool,
+        typer.Option(
+            "--no-cache",
+            help="Segment every scan, and keep nothing. By default the segments of each scan are kept in the "
+            "user's cache folder, so that learning again with other parameters is quick.",
+        ),
+    ] = False,
+    strict: Strict = False,
+    as_json: Json = False,
+) -> None:
+    """Learn shape concepts from scans, without labels.
+
+    Scans whose composition of surfaces is alike end in one concept. The concepts are printed as a table; the
+    model can then say of new scans which concept they resemble (`respond`), and why (`explain`).
+
+    Scans that cannot be used are skipped and listed at the end. The exit code is 0 if a model was written
+    (and the report, if wanted), 1 if not, and 2 if the command line is wrong. Ctrl-C ends it with 130 and
+    leaves files as they were.
+    """
+    check_jobs(jobs)
+    check_writable(model, "--model")
+    if report is not None:
+        check_writable(report, "--report")
+        if report.resolve() == model.resolve():
+            raise typer.BadParameter("must be another file than --model", param_hint="--report")
+    reading = read_options(intrinsics, depth_scale, mask)
+    sources: list[ScanFile | SimulatedObject] = [*scan_files(data, mask)] if data else _simulated()
+    given = {
+        "min_concept_size": min_size,
+        "descriptor": descriptor,
+        "n_levels": levels,
+        "bandwidth": bandwidth,
+        "voxel_size": voxel_size,
+    }
+    try:
+        learner = _learner(preset, {name: value for name, value in given.items() if value is not None})
+        reader = ObjectReader(
+            reading=reading,
+            segmentation=segmentation_parameters(learner),
+            descriptor=learner.descriptor,
+            scenes=scenes,
+            cache=None if no_cache else _cache(),
+            make_preview=report is not None,
+        )
+        with one_thread():
+            collection = _collect(sources, reader, jobs, strict)
+            with busy("Learning concepts"), warnings_said():
+                learner.fit(collection.described)
+            written = _write(learner, collection, model, report)
+    except KeyboardInterrupt:
+        kept = "" if no_cache else "; the segments that were found are kept for the next time"
+        say(f"Interrupted{kept}")
+        raise typer.Exit(INTERRUPTED) from None
+    if as_json:
+        skipped = [{"name": name, "reason": reason} for name, reason in collection.skipped]
+        paths = {"model": str(model), "report": None if report is None else str(report)}
+        typer.echo(
+            json.dumps({**paths, **model_summary(learner), "skipped": skipped}, indent=2, allow_nan=False)
+        )
+    else:
+        print_concepts(learner)
+    say(f"Learned {in_words(learner)}")
+    say_skipped(collection.skipped, len(collection.described) + len(collection.skipped))
+    for line in written:
+        say(line)
+    if any(line.startswith("Error") for line in written):
+        raise typer.Exit(1)
+
+
+def _simulated() -> list[ScanFile | SimulatedObject]:
+    from shapeconcepts.datasets import CATEGORIES
+
+    return [SimulatedObject(name, index) for name in CATEGORIES for index in range(_SIMULATED_PER_CATEGORY)]
+
+
+def _learner(preset: str, parameters: dict[str, Any]) -> ShapeConceptModel:
+    from shapeconcepts.model import ShapeConceptModel
+
+    return ShapeConceptModel.preset(preset, **parameters)
+
+
+def _cache() -> SegmentCache | None:
+    from shapeconcepts.segmentation.segment_cache import SegmentCache
+
+    try:
+        return SegmentCache.of_user()
+    except OSError as error:
+        say(f"Note: nothing is cached: {error}")
+        return None
+
+
+def _collect(
+    sources: list[ScanFile | SimulatedObject], reader: ObjectReader, jobs: int, strict: bool
+) -> _Collection:
+    collection = _Collection([], [], [])
+    cache_failure = ""
+    reading = read_objects(sources, reader, jobs, strict=strict)
+    for objects in progress(reading, len(sources), "Segmenting"):
+        for one in objects:
+            cache_failure = cache_failure or one.cache_failure
+            if one.described is None:
+                collection.skipped.append((one.name, one.reason))
+            else:
+                collection.described.append(one.described)
+                if one.preview is not None:
+                    collection.previews.append(one.preview)
+    if cache_failure:
+        say(
+            f"Note: segments are not kept for the next time, as the cache cannot be written ({cache_failure})"
+        )
+    if strict and collection.skipped:
+        fail(collection.skipped[0][1])
+    if not collection.described:
+        say_skipped(collection.skipped, len(collection.skipped))
+        fail("none of the scans can be used")
+    return collection
+
+
+def _write(
+    learner: ShapeConceptModel, collection: _Collection, model: Path, report: Path | None
+) -> list[str]:
+    """Write model and report, each whatever becomes of the other; what there is to say about it."""
+    said = []
+    try:
+        learner.save(model)
+        said.append(f"Wrote {model}")
+    except OSError as error:
+        said.append(f"Error: cannot write {model}: {error.strerror or error}")
+    if report is not None:
+        from shapeconcepts.report.html import write_report
+
+        try:
+            with busy("Writing the report"):
+                write_report(report, learner, collection.previews, unread=collection.skipped)
+            said.append(f"Wrote {report}")
+        except OSError as error:
+            said.append(f"Error: cannot write {report}: {error.strerror or error}")
+    return said

@@ -1,0 +1,55 @@
+"""The model that a command works with, and scans as it wants them."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from shapeconcepts.cli.object_reader import ObjectReader
+from shapeconcepts.cli.terminal import fail
+
+if TYPE_CHECKING:
+    from shapeconcepts.io.collection import ReadOptions
+    from shapeconcepts.model import ShapeConceptModel
+
+
+def one_thread() -> AbstractContextManager[object]:
+    """Keeps linear algebra to one thread.
+
+    Its matrices are small here, and threads that wait for each other keep processes from their work: on two
+    busy cores, learning takes twice as long with them.
+    """
+    from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
+
+    return threadpool_limits(1)
+
+
+def read_model(path: Path) -> ShapeConceptModel:
+    """A model from its file; ends the command where that is none."""
+    from shapeconcepts.model_file import ModelError, load_model
+
+    try:
+        return load_model(path)
+    except ModelError as error:
+        fail(str(error) if str(path) in str(error) else f"{path}: {error}")
+    except OSError as error:
+        fail(f"{path}: cannot be read ({error.strerror or error})")
+
+
+def object_reader(
+    model: ShapeConceptModel, reading: ReadOptions, scenes: bool | None, *, keep_segmented: bool = False
+) -> ObjectReader:
+    """Reads scans as a model wants them."""
+    return ObjectReader(
+        reading=reading,
+        segmentation=segmentation_parameters(model),
+        descriptor=model.descriptor,
+        scenes=scenes,
+        keep_segmented=keep_segmented,
+    )
+
+
+def segmentation_parameters(model: ShapeConceptModel) -> dict[str, Any]:
+    """How a model cuts scans."""
+    return {name: getattr(model, name) for name in ("voxel_size", "seed_size", "max_segments")}

@@ -1,0 +1,252 @@
+"""From files to segmented and described objects, over several processes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+from shapeconcepts.cli.terminal import fail
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from shapeconcepts.descriptors import DescribedObject, Descriptor
+    from shapeconcepts.io.collection import ReadOptions, ScanFile
+    from shapeconcepts.report.html import ScanPreview
+    from shapeconcepts.scan import Scan
+    from shapeconcepts.segmentation.segment_cache import SegmentCache
+    from shapeconcepts.segmentation.segmented_object import SegmentedObject
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+# A process takes about as long to start as one needs for so many scans.
+_SCANS_WORTH_A_PROCESS = 64
+
+
+@dataclass(frozen=True)
+class SimulatedObject:
+    """An object of the simulator, in place of a file."""
+
+    category: str
+    index: int
+
+    @property
+    def name(self) -> str:
+        """As the simulator calls it."""
+        return f"{self.category}_{self.index}"
+
+    @property
+    def label(self) -> str:
+        """Its category."""
+        return self.category
+
+
+class ReadObject(NamedTuple):
+    """What became of an object: its description and what else was asked for, or why there is none."""
+
+    name: str
+    described: DescribedObject | None = None
+    segmented: SegmentedObject | None = None
+    preview: ScanPreview | None = None
+    reason: str = ""
+    cache_failure: str = ""
+
+
+@dataclass(frozen=True)
+class ObjectReader:
+    """Turns a file into the objects in it: one, or several where it is a labelled scene.
+
+    Attributes
+    ----------
+    reading : ReadOptions
+    segmentation : dict
+        Parameters of `segment`.
+    descriptor : str or Descriptor
+    scenes : bool or None
+        Whether point clouds are labelled scenes; None: those whose labels look like it.
+    cache : SegmentCache, optional
+    keep_segmented, make_preview : bool
+        What to hand back besides descriptions.
+    """
+
+    reading: ReadOptions
+    segmentation: dict[str, Any]
+    descriptor: str | Descriptor
+    scenes: bool | None = None
+    cache: SegmentCache | None = None
+    keep_segmented: bool = False
+    make_preview: bool = False
+
+    def __call__(self, source: ScanFile | SimulatedObject) -> list[ReadObject]:
+        """Objects of a source; never raises for what is wrong with a scan."""
+        from shapeconcepts.scan import ScanError
+
+        try:
+            key = self._key(source)
+            kept = None if key is None or self.cache is None else self.cache.load(key)
+            if kept is not None:
+                return [self._finish(_called(one, source)) for one in kept]
+            results = [self._segment(scan) for scan in self._scans(source)]
+        except ScanError as error:
+            return [ReadObject(source.name, reason=str(error))]
+        except MemoryError:
+            return [ReadObject(source.name, reason=f"{source.name}: needs more memory than there is")]
+        failure = self._keep(key, results, source)
+        finished = [one if one.segmented is None else self._finish(one.segmented) for one in results]
+        return [one._replace(cache_failure=failure) for one in finished]
+
+    def _scans(self, source: ScanFile | SimulatedObject) -> list[Scan]:
+        from shapeconcepts.datasets import simulate_scan
+        from shapeconcepts.datasets.osd import _objects
+        from shapeconcepts.io.collection import iter_scans
+        from shapeconcepts.scan import ScanError
+
+        if isinstance(source, SimulatedObject):
+            return [simulate_scan(source.category, source.index)]
+        [scan] = iter_scans([source], **self.reading)
+        if isinstance(scan, ScanError):
+            raise scan
+        is_scene = is_labelled_scene(scan.point_labels) if self.scenes is None else self.scenes
+        if not is_scene:
+            return [scan]
+        objects = _objects(scan)
+        if not objects:
+            raise ScanError(f"{source.path}: holds no labelled object, that is no label of 20 or more")
+        return objects
+
+    def _segment(self, scan: Scan) -> ReadObject:
+        from shapeconcepts.scan import ScanError
+        from shapeconcepts.segmentation import segment
+
+        try:
+            return ReadObject(scan.name, segmented=segment(scan, **self.segmentation))
+        except ScanError as error:
+            return ReadObject(scan.name, reason=str(error))
+        except MemoryError:
+            raise
+        except Exception as error:
+            # What nobody foresaw in a scan must not end the work on a thousand others.
+            reason = f"{scan.name}: cannot be segmented ({type(error).__name__}: {error})"
+            return ReadObject(scan.name, reason=reason)
+
+    def _finish(self, segmented: SegmentedObject) -> ReadObject:
+        from shapeconcepts.descriptors import describe
+
+        preview = None
+        if self.make_preview:
+            from shapeconcepts.report.html import preview as make_preview
+
+            preview = make_preview(segmented)
+        return ReadObject(
+            segmented.name,
+            describe(segmented, self.descriptor),
+            segmented if self.keep_segmented else None,
+            preview,
+        )
+
+    def _keep(self, key: str | None, results: list[ReadObject], source: ScanFile | SimulatedObject) -> str:
+        """Put a source's objects into the cache; why that is not possible, or nothing."""
+        segmented = [one.segmented for one in results if one.segmented is not None]
+        # What cannot be segmented is not kept: it costs little to find that out again.
+        if key is None or self.cache is None or len(segmented) < len(results):
+            return ""
+        try:
+            self.cache.store(key, [_uncalled(one, source) for one in segmented])
+        except OSError as error:
+            return f"{self.cache.folder}: {error.strerror or error}"
+        return ""
+
+    def _key(self, source: ScanFile | SimulatedObject) -> str | None:
+        """Name of a source's entry in the cache; None where it cannot be read."""
+        if self.cache is None:
+            return None
+        if isinstance(source, SimulatedObject):
+            return self.cache.key(b"", (source, sorted(self.segmentation.items())))
+        try:
+            content = source.path.read_bytes() if source.path.is_file() else None
+            mask = self.reading.get("mask")
+            if content is not None and isinstance(mask, Path) and source.path.suffix.lower() == ".png":
+                content += (mask / source.inside if mask.is_dir() else mask).read_bytes()
+        except OSError:
+            return None
+        if content is None:
+            return None
+        camera = (self.reading.get("intrinsics"), self.reading.get("depth_scale"))
+        # The suffix tells how the file is read.
+        parameters = (source.path.suffix.lower(), self.scenes, camera, sorted(self.segmentation.items()))
+        return self.cache.key(content, parameters)
+
+
+def _uncalled(segmented: SegmentedObject, source: ScanFile | SimulatedObject) -> SegmentedObject:
+    """Without what depends on the place of the file; of an object of a scene its number stays."""
+    number = "" if segmented.name == source.name else segmented.name.rpartition("/")[2]
+    return replace(segmented, name=number, label=None)
+
+
+def _called(segmented: SegmentedObject, source: ScanFile | SimulatedObject) -> SegmentedObject:
+    """An object of the cache as it is called now: the file may have been moved."""
+    from shapeconcepts.datasets.osd import _category
+
+    if segmented.name == "" or isinstance(source, SimulatedObject):
+        return replace(segmented, name=source.name, label=source.label)
+    stem = source.path.stem
+    return replace(segmented, name=f"{stem}/{segmented.name}", label=_category(stem))
+
+
+def is_labelled_scene(labels: NDArray[np.int64] | None) -> bool:
+    """Whether point labels number a table and the objects on it, as in the Object Segmentation Database."""
+    import numpy as np
+
+    if labels is None:
+        return False
+    decades = np.unique(labels[labels > 0] // 10)
+    return len(decades) >= 2 and bool(decades[0] == 0 and decades[1] >= 2)
+
+
+def useful_jobs(jobs: int, n_scans: int) -> int:
+    """Number of processes; where the user leaves it open, only as many as pay for their start."""
+    from joblib import effective_n_jobs
+
+    if jobs > 0:
+        return min(jobs, max(n_scans, 1))
+    return max(1, min(effective_n_jobs(jobs), n_scans // _SCANS_WORTH_A_PROCESS))
+
+
+def read_objects(
+    sources: Sequence[ScanFile | SimulatedObject], reader: ObjectReader, jobs: int, *, strict: bool = False
+) -> Iterator[list[ReadObject]]:
+    """Objects of each source, in order.
+
+    With `strict` nothing more is begun after the first object that cannot be used.
+    """
+    failed = False
+
+    def wanted() -> Iterator[ScanFile | SimulatedObject]:
+        for source in sources:
+            if strict and failed:
+                return
+            yield source
+
+    for objects in in_order(reader, wanted(), useful_jobs(jobs, len(sources))):
+        failed = failed or any(one.reason for one in objects)
+        yield objects
+
+
+def in_order(work: Callable[[Item], Result], items: Iterable[Item], n_jobs: int) -> Iterator[Result]:
+    """Results of work on items, in their order, by several processes; a few items are taken ahead."""
+    from joblib import Parallel, delayed, parallel_config
+    from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+    if n_jobs == 1:
+        yield from map(work, items)
+        return
+    with parallel_config("loky", inner_max_num_threads=1):
+        results = Parallel(n_jobs, return_as="generator")(delayed(work)(item) for item in items)
+    try:
+        yield from results
+    except TerminatedWorkerError:
+        fail("a process that read scans was ended, perhaps for lack of memory; --jobs 1 needs least")

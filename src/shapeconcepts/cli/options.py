@@ -1,0 +1,114 @@
+"""Options and arguments that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from shapeconcepts.cli.terminal import fail
+
+if TYPE_CHECKING:
+    from shapeconcepts.io.collection import ReadOptions, ScanFile
+
+Intrinsics = Annotated[
+    str | None,
+    typer.Option(
+        metavar="FX,FY,CX,CY",
+        help="Of depth images: focal lengths and principal point in pixels.",
+        show_default="a Kinect's, for 640 x 480 pixels",
+    ),
+]
+DepthScale = Annotated[
+    float, typer.Option(metavar="METRES", help="Of depth images: metres per unit of depth.")
+]
+Mask = Annotated[
+    Path | None,
+    typer.Option(
+        exists=True,
+        help="Of depth images: an image that is not 0 where the object is, or a folder with one for each "
+        "depth image, of the same name.",
+    ),
+]
+VoxelSize = Annotated[
+    float | None,
+    typer.Option(
+        min=1e-4,
+        max=1.0,
+        metavar="METRES",
+        help="Edge length of the voxels that points are merged into; by default it suits each scan.",
+        show_default="auto",
+    ),
+]
+Scenes = Annotated[
+    bool | None,
+    typer.Option(
+        "--scenes/--no-scenes",
+        help="Whether point clouds are scenes of several objects, which the field `label` tells apart: 1 to "
+        "9 the table, 20 to 29 the first object, 30 to 39 the second, and so on.",
+        show_default="where the labels look like that",
+    ),
+]
+Jobs = Annotated[
+    int,
+    typer.Option(
+        "--jobs",
+        "--n-jobs",
+        metavar="N",
+        help="Scans worked on at a time; -1 for as many as there are cores. It changes no result.",
+    ),
+]
+Strict = Annotated[
+    bool,
+    typer.Option("--strict", help="Stop at the first scan that cannot be used, instead of skipping it."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON document instead of text.")]
+ModelFile = Annotated[
+    Path,
+    typer.Argument(metavar="MODEL", show_default=False, help="Model file that `learn` has written."),
+]
+
+
+def check_jobs(jobs: int) -> None:
+    """Complain about a number of jobs that means nothing."""
+    if jobs == 0:
+        raise typer.BadParameter("must not be 0", param_hint="--jobs")
+
+
+def read_options(intrinsics: str | None, depth_scale: float, mask: Path | None) -> ReadOptions:
+    """Options for reading depth images, checked."""
+    from shapeconcepts.io.depth_image import check_camera
+
+    camera = None
+    if intrinsics is not None:
+        try:
+            fx, fy, cx, cy = map(float, intrinsics.split(","))
+            camera = (fx, fy, cx, cy)
+            check_camera(camera, 1.0)
+        except ValueError:
+            raise typer.BadParameter(
+                f"must be 4 finite numbers FX,FY,CX,CY in pixels, FX and FY > 0, got {intrinsics!r}",
+                param_hint="--intrinsics",
+            ) from None
+    try:
+        check_camera(None, depth_scale)
+    except ValueError as error:
+        raise typer.BadParameter(str(error), param_hint="--depth-scale") from None
+    return {"intrinsics": camera, "depth_scale": depth_scale, "mask": mask}
+
+
+def scan_files(paths: list[Path], mask: Path | None) -> list[ScanFile]:
+    """Files among and below the paths; ends the command where there is nothing to read."""
+    from shapeconcepts.io.collection import find_scan_files
+    from shapeconcepts.scan import ScanError
+
+    try:
+        files = find_scan_files(paths)
+    except ScanError as error:
+        fail(str(error))
+    if mask is not None and not any(file.path.suffix.lower() == ".png" for file in files):
+        raise typer.BadParameter(
+            f"is for depth images (.png), got {mask}, but there is none among the scans", param_hint="--mask"
+        )
+    return files

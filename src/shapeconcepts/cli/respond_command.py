@@ -1,0 +1,145 @@
+"""`shapeconcepts respond`: how much scans resemble each concept of a model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from shapeconcepts.cli.concept_summary import concept_title
+from shapeconcepts.cli.model_input import object_reader, one_thread, read_model
+from shapeconcepts.cli.object_reader import ReadObject, read_objects
+from shapeconcepts.cli.options import (
+    DepthScale,
+    Intrinsics,
+    Jobs,
+    Mask,
+    ModelFile,
+    Scenes,
+    Strict,
+    check_jobs,
+    read_options,
+    scan_files,
+)
+from shapeconcepts.cli.response_formats import Response, ResponseWriter, check_parquet, response_writer
+from shapeconcepts.cli.terminal import INTERRUPTED, check_writable, fail, progress, say, say_skipped
+
+if TYPE_CHECKING:
+    from shapeconcepts.model import ShapeConceptModel
+
+# Responses are computed for so many scans together.
+_AT_ONCE = 32
+
+
+def respond(
+    model: ModelFile,
+    scans: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="SCAN",
+            show_default=False,
+            help="Files and folders of point clouds, depth images or meshes, or labelled scenes.",
+        ),
+    ],
+    form: Annotated[
+        Literal["table", "csv", "jsonl", "parquet"],
+        typer.Option(
+            "--format",
+            help="table: to read; csv, jsonl: a line for each scan as soon as it is known; parquet: needs "
+            "--output and the package pyarrow.",
+        ),
+    ] = "table",
+    output: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write there, at the end, instead of to the terminal."),
+    ] = None,
+    scenes: Scenes = None,
+    intrinsics: Intrinsics = None,
+    depth_scale: DepthScale = 0.001,
+    mask: Mask = None,
+    jobs: Jobs = -1,
+    strict: Strict = False,
+) -> None:
+    """Say how much scans resemble each concept of a model: the smaller a response, the more alike.
+
+    For each scan: the concept of the training scan that is most alike, by name or number, or "unknown" where
+    none is near; and the response of each concept, which is the mean distance to its members (nothing where
+    the scan has no motif that the model knows).
+
+    Scans that cannot be used are skipped and listed at the end. The exit code is 0 if there is a response,
+    1 if not, and 2 if the command line is wrong.
+    """
+    check_jobs(jobs)
+    if output is not None:
+        check_writable(output, "--output")
+    if form == "parquet":
+        check_parquet(output)
+    reading = read_options(intrinsics, depth_scale, mask)
+    files = scan_files(scans, mask)
+    learned = read_model(model)
+    reader = object_reader(learned, reading, scenes)
+    writer = response_writer(form, learned, output)
+    skipped: list[tuple[str, str]] = []
+    count = 0
+    try:
+        read = read_objects(files, reader, jobs, strict=strict)
+        found = _usable(progress(read, len(files), "Reading scans", show=not writer.streams), skipped, strict)
+        with one_thread():
+            while chunk := list(islice(found, _AT_ONCE)):
+                writer.write(_responses(learned, chunk))
+                count += len(chunk)
+        if strict and skipped:
+            fail(skipped[0][1])
+        _finish(writer, output)
+    except KeyboardInterrupt:
+        say("Interrupted")
+        raise typer.Exit(INTERRUPTED) from None
+    say_skipped(skipped, count + len(skipped))
+    if count == 0:
+        raise typer.Exit(1)
+
+
+def _usable(
+    read: Iterator[list[ReadObject]], skipped: list[tuple[str, str]], strict: bool
+) -> Iterator[ReadObject]:
+    """Objects that were described; the others are noted."""
+    for objects in read:
+        for one in objects:
+            if one.described is not None:
+                yield one
+            else:
+                skipped.append((one.name, one.reason))
+                if strict:
+                    return
+
+
+def _responses(model: ShapeConceptModel, objects: list[ReadObject]) -> list[Response]:
+    stimuli = model.stimuli(one.described for one in objects)
+    responses = model.response_.transform(stimuli)
+    concepts = model.response_.predict(stimuli).tolist()
+    return [
+        Response(
+            scan=one.name,
+            label=None if one.described is None else one.described.label,
+            number=number,
+            concept=concept_title(model, number),
+            values=row,
+        )
+        for one, number, row in zip(objects, concepts, responses, strict=True)
+    ]
+
+
+def _finish(writer: ResponseWriter, output: Path | None) -> None:
+    content = writer.finish()
+    if output is None:
+        return
+    from shapeconcepts.io.atomic_write import write_atomically
+
+    try:
+        write_atomically(output, content)
+    except OSError as error:
+        fail(f"cannot write {output}: {error.strerror or error}")
+    say(f"Wrote {output}")
