@@ -284,7 +284,7 @@ def test_results_do_not_depend_on_jobs(scans: Path, tmp_path: Path) -> None:
 def test_processes_are_started_only_where_they_pay(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("joblib.effective_n_jobs", lambda jobs: 8)
     assert useful_jobs(-1, 10) == 1
-    assert useful_jobs(-1, 200) == 3
+    assert useful_jobs(-1, 40) == 2
     assert useful_jobs(-1, 5000) == 8
     assert useful_jobs(4, 10) == 4
     assert useful_jobs(4, 2) == 2

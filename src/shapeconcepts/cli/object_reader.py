@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import signal
+import sys
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
+from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
@@ -23,8 +28,10 @@ if TYPE_CHECKING:
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-# A process takes about as long to start as one needs for so many scans.
-_SCANS_WORTH_A_PROCESS = 64
+# A process is worth its start from so many scans on.
+_SCANS_WORTH_A_PROCESS = 16
+# Scans that are begun, for each process, before the first of them is asked for.
+_AHEAD = 4
 
 
 @dataclass(frozen=True)
@@ -237,16 +244,34 @@ def read_objects(
 
 
 def in_order(work: Callable[[Item], Result], items: Iterable[Item], n_jobs: int) -> Iterator[Result]:
-    """Results of work on items, in their order, by several processes; a few items are taken ahead."""
-    from joblib import Parallel, delayed, parallel_config
-    from joblib.externals.loky.process_executor import TerminatedWorkerError
+    """Results of work on items, in their order, by several processes; a few items are taken ahead.
 
+    The first item is worked on here, so that what it imports and compiles is there when processes are forked
+    off: joblib's would each start from nothing, which takes longer than reading a hundred scans.
+    """
+    from concurrent.futures import Future, ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
+
+    remaining = iter(items)
+    yield from map(work, islice(remaining, 1))
     if n_jobs == 1:
-        yield from map(work, items)
+        yield from map(work, remaining)
         return
-    with parallel_config("loky", inner_max_num_threads=1):
-        results = Parallel(n_jobs, return_as="generator")(delayed(work)(item) for item in items)
+    context = get_context("fork" if sys.platform == "linux" else "spawn")
+    pool = ProcessPoolExecutor(n_jobs, context, initializer=_leave_interrupts_to_parent)
+    ahead: deque[Future[Result]] = deque()
     try:
-        yield from results
-    except TerminatedWorkerError:
+        for item in remaining:
+            ahead.append(pool.submit(work, item))
+            if len(ahead) > _AHEAD * n_jobs:
+                yield ahead.popleft().result()
+        while ahead:
+            yield ahead.popleft().result()
+    except BrokenProcessPool:
         fail("a process that read scans was ended, perhaps for lack of memory; --jobs 1 needs least")
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _leave_interrupts_to_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
