@@ -3,8 +3,9 @@
     python benchmarks/start.py [--repeats N]
 
 Every start is a process of its own. `import` is `import shapeconcepts`, within the process. "first use"
-simulates a scan, segments it with and without a viewpoint and describes it with both descriptors, from the
-start of the process to its end, in an empty cache of compiled kernels; "second use" does the same again,
+simulates scans, segments them with and without a viewpoint, describes them with both descriptors, learns
+concepts from them, and asks the model about one, from the start of the process to its end, in an empty cache
+of compiled kernels; "second use" does the same again,
 with the kernels cached.
 """
 
@@ -31,6 +32,9 @@ sc.segment(replace(scan, viewpoint=None))
 sc.FPFH().describe(segmented)
 sc.Surflet().describe(segmented)
 compute_fpfh(segmented.points, segmented.normals, 0.03)
+scans = sc.datasets.simulate(3, categories=["can", "ball"])
+model = sc.ShapeConceptModel(n_levels=2).fit(scans)
+model.transform(scans[:1]), model.predict(scans[:1]), model.explain(scans[0])
 """
 
 
