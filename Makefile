@@ -18,7 +18,7 @@ demo: $(VENV)/installed
 	$(BIN)/shapeconcepts learn $(DEMO)/scans --model $(DEMO)/model.safetensors --report $(DEMO)/report.html
 	@echo "Open $(CURDIR)/$(DEMO)/report.html in a browser. What next:"
 	@echo "  $(BIN)/shapeconcepts respond $(DEMO)/model.safetensors $(DEMO)/scans/can"
-	@echo "  $(BIN)/shapeconcepts explain $(DEMO)/model.safetensors $(DEMO)/scans/can/can_000.pcd --image why.png"
+	@echo "  $(BIN)/shapeconcepts explain $(DEMO)/model.safetensors $(DEMO)/scans/can/can_000.pcd --image why.png --training-data $(DEMO)/scans"
 
 test: lint
 	@$(BIN)/python -m pytest

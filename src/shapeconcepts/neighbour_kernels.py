@@ -132,7 +132,8 @@ def neighbour_lists(
         most = n * (cells[cell + 1] - cells[cell])
         if count + most >= len(indices):
             grown = np.empty(2 * len(indices) + most, np.int32)
-            grown[:count] = indices[:count]
+            for k in range(count):
+                grown[k] = indices[k]
             indices = grown
         for i in range(cells[cell], cells[cell + 1]):
             x, y, z = coordinates[0, i], coordinates[1, i], coordinates[2, i]
