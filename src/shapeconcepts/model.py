@@ -21,17 +21,7 @@ from shapeconcepts.scan import ScanError
 from shapeconcepts.segmentation import SegmentedObject, segment
 from shapeconcepts.topology import Concept, Filtration
 
-PRESETS: dict[str, dict[str, object]] = {
-    "default": {},
-    "paper": {
-        "descriptor": "fpfh",
-        "n_levels": 4,
-        "word_metric": "euclidean",
-        "bandwidth": 0.025,
-        "leave_own_out": False,
-        "min_support": 1,
-    },
-}
+PRESETS = ("default", "paper")
 
 
 class ShapeConceptModel(TransformerMixin, BaseEstimator):
@@ -116,8 +106,7 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         Parameters
         ----------
         name : {"default", "paper"}
-            "paper" takes the paper at its word: 4 dictionary levels under L2, FPFH, sigma 0.025, own
-            prototypes in, every vertex a column.
+            "paper" takes the paper at its word, see `MotifHierarchyEnsemble.preset`.
         **parameters
             Parameters that differ from the preset.
 
@@ -128,7 +117,19 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         """
         if name not in PRESETS:
             raise ValueError(f"preset must be one of {', '.join(map(repr, PRESETS))}, got {name!r}")
-        return cls(**{**PRESETS[name], **parameters})  # type: ignore[arg-type]
+        if name == "default":
+            return cls(**parameters)  # type: ignore[arg-type]
+        ensemble = MotifHierarchyEnsemble.preset(name)
+        assert ensemble.dictionary is not None
+        preset = {
+            "descriptor": ensemble.descriptor,
+            "n_levels": ensemble.dictionary.n_levels,
+            "word_metric": ensemble.dictionary.metric,
+            "bandwidth": ensemble.bandwidth,
+            "leave_own_out": ensemble.leave_own_out,
+            "min_support": ensemble.min_support,
+        }
+        return cls(**{**preset, **parameters})  # type: ignore[arg-type]
 
     def fit(self, X: Iterable[object], y: object = None) -> ShapeConceptModel:
         """Learn concepts from scans.

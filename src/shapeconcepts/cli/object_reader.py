@@ -108,7 +108,7 @@ class ObjectReader:
 
     def _scans(self, source: ScanFile | SimulatedObject) -> list[Scan]:
         from shapeconcepts.datasets import simulate_scan
-        from shapeconcepts.datasets.osd import _objects
+        from shapeconcepts.datasets.osd import scene_objects
         from shapeconcepts.io.collection import iter_scans
         from shapeconcepts.scan import ScanError
 
@@ -120,7 +120,7 @@ class ObjectReader:
         is_scene = is_labelled_scene(scan.point_labels) if self.scenes is None else self.scenes
         if not is_scene:
             return [scan]
-        objects = _objects(scan)
+        objects = scene_objects(scan)
         if not objects:
             raise ScanError(f"{source.path}: holds no labelled object, that is no label of 20 or more")
         return objects
@@ -196,12 +196,12 @@ def _uncalled(segmented: SegmentedObject, source: ScanFile | SimulatedObject) ->
 
 def _called(segmented: SegmentedObject, source: ScanFile | SimulatedObject) -> SegmentedObject:
     """An object of the cache as it is called now: the file may have been moved."""
-    from shapeconcepts.datasets.osd import _category
+    from shapeconcepts.datasets.osd import scene_category
 
     if segmented.name == "" or isinstance(source, SimulatedObject):
         return replace(segmented, name=source.name, label=source.label)
     stem = source.path.stem
-    return replace(segmented, name=f"{stem}/{segmented.name}", label=_category(stem))
+    return replace(segmented, name=f"{stem}/{segmented.name}", label=scene_category(stem))
 
 
 def is_labelled_scene(labels: NDArray[np.int64] | None) -> bool:

@@ -53,13 +53,20 @@ def load_osd(folder: str | PathLike[str]) -> ScanList:
     scans = ScanList()
     for file in find_scan_files(folder):
         if file.path.suffix.lower() == ".pcd":
-            scans += _objects(read_scan(file.path))
+            scans += scene_objects(read_scan(file.path))
     if not scans:
         raise ScanError(f"{folder}: holds no scene (.pcd) with labelled objects")
     return scans
 
 
-def _objects(scene: Scan) -> list[Scan]:
+def scene_objects(scene: Scan) -> list[Scan]:
+    """Objects of a labelled scene, see `load_osd`.
+
+    Raises
+    ------
+    ScanError
+        If the scene has no labels.
+    """
     if scene.point_labels is None:
         raise ScanError(f"{scene.name}: has no field label, which tells the objects of a scene apart")
     stem = Path(scene.name).stem
@@ -72,14 +79,15 @@ def _objects(scene: Scan) -> list[Scan]:
             points[decades == decade],
             viewpoint=np.zeros(3),
             name=f"{stem}/{decade}",
-            label=_category(stem),
+            label=scene_category(stem),
             point_labels=labels[decades == decade],
         )
         for decade in np.unique(decades)
     ]
 
 
-def _category(stem: str) -> str | None:
+def scene_category(stem: str) -> str | None:
+    """What the objects of a scene are by its file's name: "learn33" gives "can"; None where it says nothing."""
     match = re.fullmatch(r"(learn|test)(\d{1,9})", stem)
     if match is None:
         return None

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
-import tempfile
+import secrets
+import stat
 from pathlib import Path
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Write beside the file first, so that nobody ever reads half of it and no failure costs the old one.
+    """Write beside the file first, and take its place and permissions once all is on disk.
+
+    Nobody ever reads half of it, and no failure costs the old one. A writer that is killed leaves a file
+    ``.shapeconcepts-...`` behind.
 
     Parameters
     ----------
@@ -19,22 +23,24 @@ def write_atomically(path: Path, content: bytes) -> None:
     Raises
     ------
     OSError
-        If the file cannot be written.
+        If the file cannot be written, is write-protected, or is something else than a file.
     """
     path = Path(os.path.realpath(path))
-    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
-        temporary = Path(file.name)
-        try:
+    mode = stat.S_IMODE(path.stat().st_mode) if path.exists() else None
+    if mode is not None:
+        if not path.is_file():
+            raise OSError(f"{path}: is not a regular file")
+        if not os.access(path, os.W_OK):
+            raise PermissionError(f"{path}: is write-protected")
+    temporary = path.parent / f".shapeconcepts-{secrets.token_hex(8)}"
+    try:
+        with temporary.open("xb") as file:
             file.write(content)
-            file.close()
-            os.chmod(temporary, 0o666 & ~_umask())
-            temporary.replace(path)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+            file.flush()
+            os.fsync(file.fileno())
+        if mode is not None:
+            temporary.chmod(mode)
+        temporary.replace(path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise

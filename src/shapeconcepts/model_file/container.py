@@ -5,14 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import secrets
-import stat
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 from safetensors.numpy import save
 
+from shapeconcepts.io.atomic_write import write_atomically
 from shapeconcepts.model_file.error import ModelError, require
 from shapeconcepts.model_file.layout import FORMAT, Tensors, check_layout
 
@@ -37,7 +36,8 @@ def write_container(path: Path, tensors: Tensors, description: dict[str, Any]) -
     content = save(tensors, {_KEY: text})
     header_length = int.from_bytes(content[:8], "little")
     require(header_length <= _LARGEST_HEADER, f"names of scans are too long: {header_length} bytes in all")
-    _replace(Path(os.path.realpath(path)), content)
+    require(path.is_file() or not path.exists(), f"{path}: is not a regular file")
+    write_atomically(path, content)
 
 
 def read_container(path: Path) -> tuple[Tensors, dict[str, Any]]:
@@ -181,24 +181,3 @@ def _checksum(tensors: Tensors, description: dict[str, Any]) -> str:
         digest.update(f"\n{name} {tensor.dtype.name} {tensor.shape}\n".encode())
         digest.update(tensor.reshape(-1).view(np.uint8).data)
     return digest.hexdigest()
-
-
-def _replace(path: Path, content: bytes) -> None:
-    """Write beside the file, and take its place and permissions once all is on disk."""
-    mode = stat.S_IMODE(path.stat().st_mode) if path.exists() else None
-    if mode is not None:
-        require(path.is_file(), f"{path}: is not a regular file")
-        if not os.access(path, os.W_OK):
-            raise PermissionError(f"{path}: is write-protected")
-    temporary = path.parent / f".shapeconcepts-{secrets.token_hex(8)}"
-    try:
-        with temporary.open("xb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        if mode is not None:
-            temporary.chmod(mode)
-        temporary.replace(path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise

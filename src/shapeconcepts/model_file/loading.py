@@ -20,9 +20,7 @@ from shapeconcepts.model_file.layout import Tensors
 from shapeconcepts.model_file.parameters import decode_parameters
 from shapeconcepts.motifs import MotifHierarchies, MotifHierarchyEnsemble, SegmentDictionary
 from shapeconcepts.topology import Concept, Filtration, TopologicalSpace
-from shapeconcepts.topology.annexation_kernels import annex
 from shapeconcepts.topology.divergence import normalised_rows
-from shapeconcepts.topology.filtration import _times
 
 # By what equal rows may differ when they are scaled to sum 1 elsewhere.
 _ROUNDING = 1e-9
@@ -140,11 +138,7 @@ def _filtration(tensors: Tensors, description: dict[str, Any], rows: csr_matrix)
     filtration = Filtration(
         **decode_parameters(description["filtration_parameters"], Filtration, "the filtration's parameters")
     )
-    filtration.space_, filtration.n_features_in_ = space, space.n_features_in_
-    times = _times(space.edge_heat_)
-    order = np.argsort(times, kind="stable")
-    filtration.times_, filtration.edges_ = times[order], space.edges_[order]
-    filtration.annexations_ = np.stack(annex(filtration.edges_, space.multiplicities_)[:2], axis=1)
+    filtration._annex(space)
     filtration.epsilon_max_ = description["epsilon_max"]
     filtration.labels_ = tensors["concepts.labels"]
     filtration.concepts_ = [

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from shapeconcepts.motifs.divisive_clustering import divide
 from shapeconcepts.motifs.word_kernels import nearest_words
+from shapeconcepts.parameter_checks import check_integer
 
 METRICS = ("hellinger", "euclidean")
 
@@ -73,26 +73,25 @@ class SegmentDictionary(TransformerMixin, BaseEstimator):
         UserWarning
             If there are fewer different descriptions than words at the last level.
         """
-        if isinstance(self.n_levels, bool) or not isinstance(self.n_levels, Integral) or self.n_levels < 1:
-            raise ValueError(f"n_levels must be an integer of at least 1, got {self.n_levels!r}")
+        n_levels = check_integer("n_levels", self.n_levels, 1)
         rows = self._embed(X, reset=True)
         # In an order that only their content decides, sums round alike however the segments come in.
         order = np.lexsort(rows.T[::-1])
-        clusters = np.empty((len(rows), self.n_levels), np.int32)
-        clusters[order] = divide(rows[order], int(self.n_levels))
+        clusters = np.empty((len(rows), n_levels), np.int32)
+        clusters[order] = divide(rows[order], n_levels)
         self.clusters_: NDArray[np.int32] = clusters
-        self._set_words([_means(rows[order], clusters[order, level]) for level in range(self.n_levels)])
+        self._set_words([_means(rows[order], clusters[order, level]) for level in range(n_levels)])
         self.parents_: list[NDArray[np.int32]] = [
             clusters[np.unique(clusters[:, level], return_index=True)[1], level - 1]
             if level
             else np.zeros(clusters[:, 0].max() + 1, np.int32)
-            for level in range(self.n_levels)
+            for level in range(n_levels)
         ]
         n_different = len(np.unique(rows, axis=0))
-        if n_different < 2**self.n_levels:
+        if n_different < 2**n_levels:
             warnings.warn(
                 f"{n_different} different segment descriptions give {len(self.words_[-1])} of "
-                f"{2**self.n_levels} words at dictionary level {self.n_levels}",
+                f"{2**n_levels} words at dictionary level {n_levels}",
                 stacklevel=2,
             )
         return self

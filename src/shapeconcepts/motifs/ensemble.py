@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
-from numbers import Integral, Real
+from numbers import Real
 from typing import TypeVar
 
 import numpy as np
@@ -22,6 +22,7 @@ from shapeconcepts.motifs.explanation import Explanation, explain_propagation
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.propagation import propagate
 from shapeconcepts.motifs.stimuli import Activation, sparse_rows, stimuli_rows
+from shapeconcepts.parameter_checks import check_integer
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 Item = TypeVar("Item")
@@ -275,12 +276,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
             or not 0 < self.bandwidth < np.inf
         ):
             raise ValueError(f"bandwidth must be a positive number, got {self.bandwidth!r}")
-        if (
-            isinstance(self.min_support, bool)
-            or not isinstance(self.min_support, Integral)
-            or self.min_support < 1
-        ):
-            raise ValueError(f"min_support must be an integer of at least 1, got {self.min_support!r}")
+        check_integer("min_support", self.min_support, 1)
         get_descriptor(self.descriptor)
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from numbers import Real
-
 import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.io.conversion import as_scan
 from shapeconcepts.neighbour_kernels import restrict
 from shapeconcepts.neighbours import Neighbours, radius_neighbours
+from shapeconcepts.parameter_checks import check_length
 from shapeconcepts.preparation.normal_kernels import principal_component_normals
 from shapeconcepts.preparation.prepared_object import PreparedObject
 from shapeconcepts.preparation.sensor_direction import estimate_viewpoint, orient_normals
@@ -86,13 +85,6 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
         name=scan.name,
         label=scan.label,
     )
-
-
-def check_length(name: str, value: object) -> float:
-    """Return a positive number of metres, or raise a ValueError that names the parameter."""
-    if isinstance(value, bool) or not isinstance(value, Real) or not 0 < float(value) < np.inf:
-        raise ValueError(f"{name} must be a positive number of metres, got {value!r}")
-    return float(value)
 
 
 def _without(grid: VoxelGrid, dropped: NDArray[np.bool_], kept: NDArray[np.bool_]) -> VoxelGrid:

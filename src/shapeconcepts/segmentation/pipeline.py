@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from numbers import Integral
-
 import numpy as np
 
 from shapeconcepts.neighbours import Neighbours
+from shapeconcepts.parameter_checks import check_integer, check_length
 from shapeconcepts.preparation import PreparedObject, prepare
-from shapeconcepts.preparation.pipeline import check_length
 from shapeconcepts.segmentation.region_merging import absorb_small, segment_edges
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 from shapeconcepts.segmentation.super_patches import super_patches
@@ -59,8 +57,7 @@ def segment(
         If a parameter is out of range.
     """
     seed_size = check_length("seed_size", seed_size)
-    if isinstance(max_segments, bool) or not isinstance(max_segments, Integral) or max_segments < 1:
-        raise ValueError(f"max_segments must be an integer of at least 1, got {max_segments!r}")
+    max_segments = check_integer("max_segments", max_segments, 1)
     prepared = scan if isinstance(scan, PreparedObject) else prepare(scan, voxel_size=voxel_size)
     points, voxel = prepared.points, prepared.voxel_size
     neighbours = prepared.neighbours
@@ -72,7 +69,7 @@ def segment(
     patches = supervoxels(points, normals, adjacency, voxel, max(seed_size, 4 * voxel))
     regions = super_patches(points, normals, adjacency, patches, voxel)
     weights = np.bincount(prepared.point_to_voxel[prepared.point_to_voxel >= 0], minlength=len(points))
-    segments = absorb_small(adjacency, regions, weights, MIN_SHARE, MIN_VOXELS, int(max_segments))
+    segments = absorb_small(adjacency, regions, weights, MIN_SHARE, MIN_VOXELS, max_segments)
     return SegmentedObject(
         points=points,
         normals=prepared.normals,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from itertools import pairwise
-from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from sklearn.base import BaseEstimator, ClusterMixin
 from sklearn.utils.validation import check_is_fitted
 
+from shapeconcepts.parameter_checks import check_integer
 from shapeconcepts.topology.annexation_kernels import annex
 from shapeconcepts.topology.concept import Concept
 from shapeconcepts.topology.medoid_kernels import medoids_of_groups
@@ -83,21 +83,13 @@ class Filtration(ClusterMixin, BaseEstimator):
         UserWarning
             If there is no time at which the objects fall into at least two concepts.
         """
-        _check_integer("min_concept_size", self.min_concept_size, 2)
-        _check_integer("max_steps", self.max_steps, 1)
+        check_integer("min_concept_size", self.min_concept_size, 2)
+        check_integer("max_steps", self.max_steps, 1)
         self._filter(TopologicalSpace().fit(X))
         return self
 
     def _filter(self, space: TopologicalSpace) -> None:
-        self.space_ = space
-        self.n_features_in_ = space.n_features_in_
-        times = _times(space.edge_heat_)
-        order = np.argsort(times, kind="stable")
-        self.times_ = times[order]
-        self.edges_ = self.space_.edges_[order]
-        dying, surviving, dying_sizes, surviving_sizes = annex(self.edges_, self.space_.multiplicities_)
-        self.annexations_ = np.stack([dying, surviving], axis=1)
-        self.epsilon_max_ = self._most_annexations(dying_sizes, surviving_sizes)
+        self.epsilon_max_ = self._most_annexations(*self._annex(space))
         if self.epsilon_max_ is None:
             self.concepts_: list[Concept] = []
             warnings.warn(
@@ -110,6 +102,18 @@ class Filtration(ClusterMixin, BaseEstimator):
         else:
             self.concepts_ = self.concepts_at(self.epsilon_max_)
         self.labels_ = self._labels(self.concepts_)
+
+    def _annex(self, space: TopologicalSpace) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Let the edges of a space enter; members of the dying and surviving class at each, just before."""
+        self.space_ = space
+        self.n_features_in_ = space.n_features_in_
+        times = _times(space.edge_heat_)
+        order = np.argsort(times, kind="stable")
+        self.times_ = times[order]
+        self.edges_ = space.edges_[order]
+        dying, surviving, dying_sizes, surviving_sizes = annex(self.edges_, space.multiplicities_)
+        self.annexations_ = np.stack([dying, surviving], axis=1)
+        return dying_sizes, surviving_sizes
 
     @property
     def times(self) -> NDArray[np.float64]:
@@ -209,7 +213,7 @@ class Filtration(ClusterMixin, BaseEstimator):
         if not 0 <= time <= 1:
             raise ValueError(f"time must be between 0 and 1, got {time!r}")
         smallest = self.min_concept_size if min_size is None else min_size
-        _check_integer("min_size", smallest, 1)
+        check_integer("min_size", smallest, 1)
         n_vertices = len(self.space_.multiplicities_)
         n_joined = int(np.searchsorted(self.times_, time, side="right"))
         joined = self.edges_[:n_joined]
@@ -303,8 +307,3 @@ def _members(group_of: NDArray[np.int32], n_groups: int) -> tuple[NDArray[np.int
     """Positions by group, rising within each, and where each group starts; group -1 is left out."""
     starts = np.concatenate([[0], np.cumsum(np.bincount(group_of[group_of >= 0], minlength=n_groups))])
     return np.argsort(group_of, kind="stable")[len(group_of) - starts[-1] :], starts
-
-
-def _check_integer(name: str, value: object, smallest: int) -> None:
-    if isinstance(value, bool) or not isinstance(value, Integral) or value < smallest:
-        raise ValueError(f"{name} must be an integer of at least {smallest}, got {value!r}")

@@ -4,38 +4,17 @@ import copy
 
 import numpy as np
 import pytest
-
 from motif_objects import (
     assert_same_rows,
     assert_unchanged,
-    example,
     snapshot,
 )
+
 from shapeconcepts import (
     DescribedObject,
     MotifHierarchyEnsemble,
 )
 from shapeconcepts.descriptors import Description
-
-
-@pytest.fixture(scope="module")
-def train():
-    return example().train
-
-
-@pytest.fixture(scope="module")
-def new():
-    return example().new
-
-
-@pytest.fixture(scope="module")
-def dictionary():
-    return example().dictionary
-
-
-@pytest.fixture(scope="module")
-def model():
-    return example().model
 
 
 def test_hierarchies_never_change(dictionary, train, new):

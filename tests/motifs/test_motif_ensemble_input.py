@@ -2,15 +2,14 @@
 
 import numpy as np
 import pytest
-from sklearn.exceptions import NotFittedError
-
 from motif_objects import (
     assert_same_rows,
     described,
-    example,
     fit_dictionary,
 )
 from motif_reference import SlowObject
+from sklearn.exceptions import NotFittedError
+
 from shapeconcepts import (
     DescribedObject,
     MotifHierarchyEnsemble,
@@ -18,21 +17,6 @@ from shapeconcepts import (
     SegmentDictionary,
 )
 from shapeconcepts.descriptors import Description
-
-
-@pytest.fixture(scope="module")
-def train():
-    return example().train
-
-
-@pytest.fixture(scope="module")
-def dictionary():
-    return example().dictionary
-
-
-@pytest.fixture(scope="module")
-def model():
-    return example().model
 
 
 def test_object_without_any_match_has_an_empty_row(train):

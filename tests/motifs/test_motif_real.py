@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from motif_objects import assert_same_rows, rows_by_motif
 from scipy.spatial.distance import cdist
 from scipy.spatial.transform import Rotation
 
-from motif_objects import assert_same_rows, rows_by_motif
 from shapeconcepts import MotifHierarchyEnsemble, Scan, SegmentDictionary, read_scan, segment
 
 CATEGORIES = ["amphora", "ball", "box", "can", "plate", "sack", "teddy"]

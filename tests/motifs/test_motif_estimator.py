@@ -4,17 +4,16 @@ import pickle
 
 import numpy as np
 import pytest
+from motif_objects import (
+    assert_same_rows,
+    segmented_objects,
+)
 from sklearn.base import clone
 from sklearn.frozen import FrozenEstimator
 from sklearn.model_selection import cross_val_score
 from sklearn.pipeline import make_pipeline
 from sklearn.svm import SVC
 
-from motif_objects import (
-    assert_same_rows,
-    example,
-    segmented_objects,
-)
 from shapeconcepts import (
     MotifHierarchyEnsemble,
     SegmentDictionary,
@@ -23,26 +22,6 @@ from shapeconcepts import (
 from shapeconcepts.descriptors import Description
 
 few_words_are_no_news = pytest.mark.filterwarnings("ignore:.*different segment descriptions give")
-
-
-@pytest.fixture(scope="module")
-def train():
-    return example().train
-
-
-@pytest.fixture(scope="module")
-def new():
-    return example().new
-
-
-@pytest.fixture(scope="module")
-def dictionary():
-    return example().dictionary
-
-
-@pytest.fixture(scope="module")
-def model():
-    return example().model
 
 
 @few_words_are_no_news

@@ -4,13 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.sparse import vstack
-
 from motif_objects import (
     assert_same_rows,
     assert_unchanged,
     described,
-    example,
     learned,
     motif_keys,
     rows_by_motif,
@@ -18,6 +15,8 @@ from motif_objects import (
     snapshot,
 )
 from motif_reference import SlowObject
+from scipy.sparse import vstack
+
 from shapeconcepts import (
     MotifHierarchyEnsemble,
     SegmentDictionary,
@@ -26,31 +25,6 @@ from shapeconcepts import (
 
 few_words_are_no_news = pytest.mark.filterwarnings("ignore:.*different segment descriptions give")
 N_TRAIN = 24
-
-
-@pytest.fixture(scope="module")
-def slow_objects():
-    return example().slow_objects
-
-
-@pytest.fixture(scope="module")
-def train():
-    return example().train
-
-
-@pytest.fixture(scope="module")
-def new():
-    return example().new
-
-
-@pytest.fixture(scope="module")
-def dictionary():
-    return example().dictionary
-
-
-@pytest.fixture(scope="module")
-def model():
-    return example().model
 
 
 def assert_close_rows(a: list[dict], b: list[dict], tolerance: float) -> None:

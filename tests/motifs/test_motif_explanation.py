@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-
 from motif_objects import described, fit_dictionary, kinds_of_segments, random_objects
 from motif_reference import SlowEnsemble, SlowObject, decompose, jensen_shannon
+
 from shapeconcepts import MotifHierarchyEnsemble
 from shapeconcepts.motifs import FiredMotif
 

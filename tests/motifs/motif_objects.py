@@ -8,8 +8,8 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-
 from motif_reference import SlowObject
+
 from shapeconcepts import DescribedObject, MotifHierarchyEnsemble, SegmentDictionary
 from shapeconcepts.descriptors import Description
 from shapeconcepts.segmentation import SegmentedObject

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.spatial.distance import jensenshannon
-
 from motif_objects import (
     GRAPHS,
     described,
@@ -18,6 +16,8 @@ from motif_objects import (
     segments_of,
 )
 from motif_reference import SlowEnsemble, SlowObject, TieError, jensen_shannon, prototypes_by_vertex
+from scipy.spatial.distance import jensenshannon
+
 from shapeconcepts import MotifHierarchyEnsemble, SegmentDictionary
 
 

@@ -1,12 +1,12 @@
 """Constellations of segment graphs."""
 
+import motif_reference
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-import motif_reference
 from motif_objects import GRAPHS, segment_graph, segments_of
+
 from shapeconcepts import decompose
 
 
