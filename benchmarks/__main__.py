@@ -23,9 +23,10 @@ COMMANDS = (
     "stimuli_ablation.py --repeats 2",
     "motif_rigid_motion.py",
     "motif_speed.py",
-    "spanning_tree.py",
+    "spanning_tree.py --large --scipy",
     "filtration_growth.py",
     "learn.py",
+    "report.py",
     "start.py",
 )
 

@@ -87,7 +87,7 @@ def scene_objects(scene: Scan) -> list[Scan]:
 
 
 def scene_category(stem: str) -> str | None:
-    """What the objects of a scene are by its file's name: "learn33" gives "can"; None where it says nothing."""
+    """Category of a scene's objects by its file's name: "learn33" gives "can"; None where it says nothing."""
     match = re.fullmatch(r"(learn|test)(\d{1,9})", stem)
     if match is None:
         return None
