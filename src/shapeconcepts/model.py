@@ -33,16 +33,18 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
 
     Parameters
     ----------
-    descriptor : {"surflet", "fpfh"} or Descriptor
+    descriptor : {"surflet+fpfh", "surflet", "fpfh"} or Descriptor
         Describes segments. A model with a descriptor of one's own cannot be saved.
     n_levels : int
         Levels of the dictionary.
     word_metric : {"hellinger", "euclidean"}
         See `SegmentDictionary`.
-    bandwidth : float
-        Sigma of the stimuli, in bits of Jensen-Shannon divergence.
-    leave_own_out, min_support
+    columns, n_neighbours, bandwidth, leave_own_out, min_support
         See `MotifHierarchyEnsemble`.
+    heat, stop
+        See `Filtration`.
+    response_distance : {"divergence", "mahalanobis"}
+        See `ConceptResponse`.
     min_concept_size : int
         Smallest number of scans in a concept, at least 2.
     max_steps : int
@@ -73,12 +75,17 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
     def __init__(
         self,
         *,
-        descriptor: str | Descriptor = "surflet",
-        n_levels: int = 8,
+        descriptor: str | Descriptor = "surflet+fpfh",
+        n_levels: int = 4,
         word_metric: str = "hellinger",
+        columns: str = "prototypes",
+        n_neighbours: int = 20,
         bandwidth: float = 0.1,
         leave_own_out: bool = True,
         min_support: int = 2,
+        heat: str = "separation",
+        stop: str = "lifetime",
+        response_distance: str = "divergence",
         min_concept_size: int = 3,
         max_steps: int = 200,
         voxel_size: float | str = "auto",
@@ -89,9 +96,14 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         self.descriptor = descriptor
         self.n_levels = n_levels
         self.word_metric = word_metric
+        self.columns = columns
+        self.n_neighbours = n_neighbours
         self.bandwidth = bandwidth
         self.leave_own_out = leave_own_out
         self.min_support = min_support
+        self.heat = heat
+        self.stop = stop
+        self.response_distance = response_distance
         self.min_concept_size = min_concept_size
         self.max_steps = max_steps
         self.voxel_size = voxel_size
@@ -106,7 +118,8 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         Parameters
         ----------
         name : {"default", "paper"}
-            "paper" takes the paper at its word, see `MotifHierarchyEnsemble.preset`.
+            "paper" takes the paper at its word, see `MotifHierarchyEnsemble.preset`: with "geodesic" heat,
+            concepts at the time of the most annexations, and Mahalanobis distances.
         **parameters
             Parameters that differ from the preset.
 
@@ -125,9 +138,13 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
             "descriptor": ensemble.descriptor,
             "n_levels": ensemble.dictionary.n_levels,
             "word_metric": ensemble.dictionary.metric,
+            "columns": ensemble.columns,
             "bandwidth": ensemble.bandwidth,
             "leave_own_out": ensemble.leave_own_out,
             "min_support": ensemble.min_support,
+            "heat": "geodesic",
+            "stop": "annexations",
+            "response_distance": "mahalanobis",
         }
         return cls(**{**preset, **parameters})  # type: ignore[arg-type]
 
@@ -165,16 +182,20 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         self.ensemble_ = MotifHierarchyEnsemble(
             dictionary,
             descriptor=self.descriptor,
+            columns=self.columns,
+            n_neighbours=self.n_neighbours,
             bandwidth=self.bandwidth,
             leave_own_out=self.leave_own_out,
             min_support=self.min_support,
             n_jobs=self.n_jobs,
         ).fit([one for one in described if one])
         self.stimuli_ = _spread(self.ensemble_.stimuli_, described)
-        self.filtration_ = Filtration(self.min_concept_size, self.max_steps).fit(self.stimuli_)
+        self.filtration_ = Filtration(self.min_concept_size, self.max_steps, self.heat, self.stop).fit(
+            self.stimuli_
+        )
         self.concepts_: list[Concept] = self.filtration_.concepts_
         self.labels_: NDArray[np.int32] = self.filtration_.labels_
-        self.response_ = ConceptResponse().fit(self.stimuli_, self.labels_)
+        self.response_ = ConceptResponse(self.response_distance).fit(self.stimuli_, self.labels_)
         return self
 
     def stimuli(self, X: Iterable[object]) -> csr_matrix:

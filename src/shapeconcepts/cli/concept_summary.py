@@ -43,6 +43,7 @@ def model_summary(model: ShapeConceptModel) -> dict[str, Any]:
     return {
         "n_scans": len(model.scan_names_),
         "n_motifs": model.stimuli_.shape[1],
+        "concept_time": model.filtration_.concept_time,
         "epsilon_max": model.filtration_.epsilon_max,
         "parameters": {
             name: value if isinstance(value, str | int | float | bool | None) else repr(value)
@@ -86,7 +87,7 @@ def in_words(model: ShapeConceptModel) -> str:
         return f"{n_scans} scans, no concept"
     return (
         f"{n_concepts} concepts with {n_in} of {n_scans} scans ({n_in / n_scans:.0%}), "
-        f"at time {model.filtration_.epsilon_max:.3f}; {n_scans - n_in} scans are in no concept"
+        f"at time {model.filtration_.concept_time:.3f}; {n_scans - n_in} scans are in no concept"
     )
 
 

@@ -83,9 +83,10 @@ def learn(
         typer.Option(min=2, metavar="N", show_default="3", help="Smallest number of scans in a concept."),
     ] = None,
     descriptor: Annotated[
-        Literal["surflet", "fpfh"] | None,
+        Literal["surflet+fpfh", "surflet", "fpfh"] | None,
         typer.Option(
-            show_default="surflet, paper: fpfh", help="What describes a segment: pairs of points, or FPFH."
+            show_default="surflet+fpfh, paper: fpfh",
+            help="What describes a segment: pairs of points, FPFH, or both.",
         ),
     ] = None,
     levels: Annotated[
@@ -94,17 +95,8 @@ def learn(
             min=1,
             max=16,
             metavar="N",
-            show_default="8, paper: 4",
+            show_default="4",
             help="Levels of the dictionary; n has 2^n words.",
-        ),
-    ] = None,
-    bandwidth: Annotated[
-        float | None,
-        typer.Option(
-            min=1e-6,
-            metavar="BITS",
-            show_default="0.1, paper: 0.025",
-            help="How far two descriptions may differ and still resemble each other (the paper's sigma).",
         ),
     ] = None,
     voxel_size: VoxelSize = None,
@@ -145,7 +137,6 @@ def learn(
         "min_concept_size": min_size,
         "descriptor": descriptor,
         "n_levels": levels,
-        "bandwidth": bandwidth,
         "voxel_size": voxel_size,
     }
     try:

@@ -12,9 +12,11 @@ from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.decomposition import PCA
 from sklearn.utils.validation import check_is_fitted, check_non_negative, validate_data
 
+from shapeconcepts.parameter_checks import check_choice
 from shapeconcepts.topology.divergence import jensen_shannon_divergences, normalised_rows
 from shapeconcepts.topology.space import TopologicalSpace
 
+DISTANCES = ("divergence", "mahalanobis")
 MAX_COMPONENTS = 30
 VARIANCE_KEPT = 0.95
 # Above so many entries the dense matrix is not formed.
@@ -22,11 +24,17 @@ _DENSE_ENTRIES = 2_000_000
 
 
 class ConceptResponse(TransformerMixin, BaseEstimator):
-    """Mean Mahalanobis distance of a row to the prototypes of each concept (paper: equation 3).
+    """Mean distance of a row to the prototypes of each concept (paper: equation 3).
 
-    Rows are compared as shares, by what they sum to 1. The covariance is that of the training rows within
-    the principal components that carry 95 % of their variance, at most 30: outside of these, the hundreds of
-    rows at hand say nothing about the thousands of columns.
+    Rows are compared as shares, by what they sum to 1.
+
+    Parameters
+    ----------
+    distance : {"divergence", "mahalanobis"}
+        "divergence": the Jensen-Shannon divergence in bits, in which the concepts were found. "mahalanobis"
+        (paper): the covariance is that of the training rows within the principal components that carry 95 %
+        of their variance, at most 30: outside of these, the hundreds of rows at hand say nothing about the
+        thousands of columns.
 
     Attributes
     ----------
@@ -40,12 +48,15 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         Mean of the training rows.
     whitening_ : (c, d) float64
         Takes centred rows to principal components of variance 1, between which the Mahalanobis distance is
-        the Euclidean one.
+        the Euclidean one. Without any component where the distance is another.
     largest_divergence_ : float
         The longest step between neighbouring prototypes of a concept. An object that is farther from every
         prototype is unknown.
     n_features_in_ : int
     """
+
+    def __init__(self, distance: str = "divergence") -> None:
+        self.distance = distance
 
     def fit(self, X: ArrayLike | spmatrix | sparray, y: ArrayLike) -> ConceptResponse:
         """Learn what the rows of each concept are like.
@@ -64,8 +75,9 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         Raises
         ------
         ValueError
-            If X is not a matrix of finite numbers of at least 0, or y does not fit.
+            If `distance` is unknown, X is not a matrix of finite numbers of at least 0, or y does not fit.
         """
+        check_choice("distance", self.distance, DISTANCES)
         matrix, labels = validate_data(
             self, X, y, accept_sparse="csr", dtype=np.float64, ensure_min_features=0
         )
@@ -79,7 +91,8 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         concepts = labels[is_prototype].astype(np.int64)
         self.classes_, self.prototype_concepts_ = np.unique(concepts, return_inverse=True)
         self.prototypes_ = csr_matrix(rows[is_prototype])
-        self.mean_, self.whitening_ = _whitening(rows[placed])
+        n_components = MAX_COMPONENTS if self.distance == "mahalanobis" else 0
+        self.mean_, self.whitening_ = _whitening(rows[placed], n_components)
         self.largest_divergence_ = self._longest_step()
         return self
 
@@ -103,7 +116,10 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         """
         check_is_fitted(self)
         rows = self._rows(X)
-        distances = cdist(self._project(rows), self._project(self.prototypes_))
+        if self.distance == "mahalanobis":
+            distances = cdist(self._project(rows), self._project(self.prototypes_))
+        else:
+            distances = jensen_shannon_divergences(rows, self.prototypes_)
         counts = np.bincount(self.prototype_concepts_, minlength=len(self.classes_))
         # Row by row: summed over a whole matrix, the rounding of a row would depend on how many there are.
         sums = [np.bincount(self.prototype_concepts_, row, len(counts)) for row in distances]
@@ -164,10 +180,10 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         return tags
 
 
-def _whitening(rows: csr_matrix) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _whitening(rows: csr_matrix, n_components: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Mean of rows, and the projection to their main principal components scaled to variance 1."""
     n, n_columns = rows.shape
-    largest = min(MAX_COMPONENTS, n - 1, n_columns)
+    largest = min(n_components, n - 1, n_columns)
     mean = np.asarray(rows.mean(axis=0)).ravel() if n else np.zeros(n_columns)
     if largest < 1:
         return mean, np.empty((n_columns, 0))

@@ -2,6 +2,7 @@
 
 from shapeconcepts.descriptors.described_object import DescribedObject, describe
 from shapeconcepts.descriptors.fpfh import FPFH, compute_fpfh
+from shapeconcepts.descriptors.joint import Joint
 from shapeconcepts.descriptors.protocol import Description, Descriptor
 from shapeconcepts.descriptors.registry import get_descriptor
 from shapeconcepts.descriptors.surflet import Surflet
@@ -11,6 +12,7 @@ __all__ = [
     "DescribedObject",
     "Description",
     "Descriptor",
+    "Joint",
     "Surflet",
     "compute_fpfh",
     "describe",

@@ -37,13 +37,13 @@ class DescribedObject:
         return self.description.n_segments
 
 
-def describe(segmented: SegmentedObject, descriptor: str | Descriptor = "surflet") -> DescribedObject:
+def describe(segmented: SegmentedObject, descriptor: str | Descriptor = "surflet+fpfh") -> DescribedObject:
     """Describe the segments of an object.
 
     Parameters
     ----------
     segmented : SegmentedObject
-    descriptor : {"fpfh", "surflet"} or Descriptor
+    descriptor : {"surflet+fpfh", "surflet", "fpfh"} or Descriptor
 
     Raises
     ------

@@ -27,6 +27,9 @@ class Description:
         Pairs of segments that bring mass only together. Empty for most descriptors.
     pair_histograms : (p, b) float64
         Mass of each pair.
+    blocks : tuple of int
+        Bins of each of several histograms that stand side by side, from the first bin on. Each of them has an
+        equal share in the histogram of a constellation. Empty: there is one.
 
     Raises
     ------
@@ -37,6 +40,7 @@ class Description:
     segment_histograms: NDArray[np.float64]
     pairs: NDArray[np.int32] = field(default_factory=lambda: np.empty((0, 2), np.int32))
     pair_histograms: NDArray[np.float64] | None = None
+    blocks: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         if self.segment_histograms.ndim != 2:
@@ -57,6 +61,8 @@ class Description:
             raise ValueError(
                 f"pairs must name segments 0 to {self.n_segments - 1}, got {self.pairs.tolist()}"
             )
+        if self.blocks and (min(self.blocks) < 1 or sum(self.blocks) != self.n_bins):
+            raise ValueError(f"blocks must be numbers of bins that sum to {self.n_bins}, got {self.blocks}")
 
     @property
     def n_segments(self) -> int:
@@ -101,8 +107,10 @@ class Description:
             total += weights[:, segment, None] * histogram
         for (a, b), histogram in zip(self.pairs, self._pair_histograms, strict=True):
             total += (weights[:, a] * weights[:, b])[:, None] * histogram
-        mass = total.sum(axis=1, keepdims=True)
-        return np.divide(total, mass, out=total, where=mass > 0)
+        for block in np.split(total, np.cumsum(self.blocks)[:-1], axis=1) if self.blocks else ():
+            _scale_to_one(block)
+        _scale_to_one(total)
+        return total
 
     def whole(self) -> NDArray[np.float64]:
         """Histogram of all segments together, (b,) float64; zero where there is no mass."""
@@ -116,6 +124,12 @@ class Description:
                     f"constellations must be bitmasks of segments 0 to {self.n_segments - 1}, got {value!r}"
                 )
         return np.array(values, dtype=np.uint64)
+
+
+def _scale_to_one(rows: NDArray[np.float64]) -> None:
+    """Scale rows to sum 1 in place; rows without mass stay."""
+    mass = rows.sum(axis=1, keepdims=True)
+    np.divide(rows, mass, out=rows, where=mass > 0)
 
 
 @runtime_checkable

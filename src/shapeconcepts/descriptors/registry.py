@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from shapeconcepts.descriptors.fpfh import FPFH
+from shapeconcepts.descriptors.joint import Joint
 from shapeconcepts.descriptors.protocol import Descriptor
 from shapeconcepts.descriptors.surflet import Surflet
 
-DESCRIPTORS: dict[str, type[FPFH] | type[Surflet]] = {"fpfh": FPFH, "surflet": Surflet}
+DESCRIPTORS: dict[str, Descriptor] = {
+    "fpfh": FPFH(),
+    "surflet": Surflet(),
+    "surflet+fpfh": Joint((Surflet(), FPFH())),
+}
 
 
 def get_descriptor(descriptor: str | Descriptor) -> Descriptor:
@@ -14,7 +19,7 @@ def get_descriptor(descriptor: str | Descriptor) -> Descriptor:
 
     Parameters
     ----------
-    descriptor : {"fpfh", "surflet"} or Descriptor
+    descriptor : {"surflet+fpfh", "surflet", "fpfh"} or Descriptor
 
     Raises
     ------
@@ -22,7 +27,7 @@ def get_descriptor(descriptor: str | Descriptor) -> Descriptor:
         If it is neither a known name nor an object with a `describe` method.
     """
     if isinstance(descriptor, str) and descriptor in DESCRIPTORS:
-        return DESCRIPTORS[descriptor]()
+        return DESCRIPTORS[descriptor]
     if isinstance(descriptor, Descriptor) and not isinstance(descriptor, type):
         return descriptor
     names = ", ".join(map(repr, DESCRIPTORS))

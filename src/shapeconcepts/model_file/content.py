@@ -52,15 +52,15 @@ def check_description(description: dict[str, Any], n_scans: int, n_concepts: int
         is_rising and len(numbers) < n_scans,
         f"skipped must name some of the scans 0 to {n_scans - 1}, rising, got {numbers!r:.60}",
     )
-    for field in ("epsilon_max", "largest_divergence"):
+    for field in ("concept_time", "epsilon_max", "largest_divergence"):
         value = description[field]
         require(
-            is_share(value) or (value is None and field == "epsilon_max"),
+            is_share(value) or (value is None and field != "largest_divergence"),
             f"{field} must be a number from 0 to 1, got {value!r:.60}",
         )
 
 
-def check_content(tensors: Tensors, skipped: list[int]) -> None:
+def check_content(tensors: Tensors, skipped: list[int], columns_are: str) -> None:
     """Require values in range, indices that lead somewhere, and a tree that is one.
 
     Parameters
@@ -69,6 +69,8 @@ def check_content(tensors: Tensors, skipped: list[int]) -> None:
         Types and shapes as in the layout.
     skipped : list of int
         Rows of stimuli that must be empty.
+    columns_are : {"prototypes", "motifs"}
+        What the columns of the stimuli stand for.
 
     Raises
     ------
@@ -77,7 +79,7 @@ def check_content(tensors: Tensors, skipped: list[int]) -> None:
     _check_dictionary(tensors)
     _check_motifs(tensors)
     _check_prototypes(tensors, len(tensors["concepts.labels"]) - len(skipped))
-    _check_stimuli(tensors, skipped)
+    _check_stimuli(tensors, skipped, columns_are)
     _check_space(tensors)
     _check_concepts(tensors)
     _check_response(tensors)
@@ -153,18 +155,25 @@ def _check_prototypes(tensors: Tensors, n_objects: int) -> None:
     )
 
 
-def _check_stimuli(tensors: Tensors, skipped: list[int]) -> None:
-    motifs, lengths = tensors["stimuli.motifs"], tensors["stimuli.row_lengths"]
+def _check_stimuli(tensors: Tensors, skipped: list[int], columns_are: str) -> None:
+    sources, lengths = tensors["stimuli.sources"], tensors["stimuli.row_lengths"]
     columns, values = tensors["stimuli.columns"], tensors["stimuli.values"]
-    _check_range(tensors, "stimuli.motifs", 0, len(tensors["motifs.words"]) - 1)
-    require(len(np.unique(motifs)) == len(motifs), "tensor stimuli.motifs must hold every column once")
+    if columns_are == "prototypes":
+        n_prototypes = len(tensors["prototypes.objects"])
+        require(
+            np.array_equal(sources, np.arange(n_prototypes)),
+            f"tensor stimuli.sources must name the prototypes 0 to {n_prototypes - 1} in this order",
+        )
+    else:
+        _check_range(tensors, "stimuli.sources", 0, len(tensors["motifs.words"]) - 1)
+    require(len(np.unique(sources)) == len(sources), "tensor stimuli.sources must hold every column once")
     _check_range(tensors, "stimuli.row_lengths", 0, len(values))
     require(
         int(lengths.sum()) == len(values),
         f"tensor stimuli.row_lengths must sum to the {len(values)} entries, got {int(lengths.sum())}",
     )
     require(not lengths[skipped].any(), "tensor stimuli.row_lengths must be 0 for scans that were skipped")
-    _check_range(tensors, "stimuli.columns", 0, len(motifs) - 1)
+    _check_range(tensors, "stimuli.columns", 0, len(sources) - 1)
     row_of = np.repeat(np.arange(len(lengths)), lengths)
     is_rising = (np.diff(columns) > 0) | (np.diff(row_of) > 0)
     _require_all("stimuli.columns", is_rising, columns[1:], "rising columns in each row")

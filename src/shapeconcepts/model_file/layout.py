@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapeconcepts.model_file.error import require
 from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
 
-FORMAT = 1
+FORMAT = 2
 
 Tensors = dict[str, NDArray[Any]]
 
@@ -30,7 +30,8 @@ LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
     "prototypes.motifs": ("int32", ("prototypes", "levels")),
     "prototypes.objects": ("int32", ("prototypes",)),
     "prototypes.constellations": ("int64", ("prototypes",)),
-    "stimuli.motifs": ("int64", ("columns",)),
+    # Prototypes or motifs, as the parameter columns says.
+    "stimuli.sources": ("int64", ("columns",)),
     "stimuli.row_lengths": ("int64", ("scans",)),
     "stimuli.columns": ("int32", ("stimuli",)),
     "stimuli.values": ("float64", ("stimuli",)),
@@ -54,10 +55,12 @@ FIELDS = frozenset(
         "dictionary_parameters",
         "ensemble_parameters",
         "filtration_parameters",
+        "response_parameters",
         "scan_names",
         "scan_labels",
         "skipped",
         "concept_names",
+        "concept_time",
         "epsilon_max",
         "largest_divergence",
     }

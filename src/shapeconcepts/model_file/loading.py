@@ -67,13 +67,16 @@ def restore_model(tensors: Tensors, description: dict[str, Any]) -> ShapeConcept
     n_scans, n_concepts = len(tensors["concepts.labels"]), len(tensors["concepts.medoids"])
     check_description(description, n_scans, n_concepts)
     skipped: dict[int, str] = dict(description["skipped"])
-    check_content(tensors, list(skipped))
+    ensemble_parameters = decode_parameters(
+        description["ensemble_parameters"], MotifHierarchyEnsemble, "the ensemble's parameters"
+    )
+    check_content(tensors, list(skipped), ensemble_parameters["columns"])
 
     model = ShapeConceptModel(**decode_parameters(description["parameters"], ShapeConceptModel, "parameters"))
     model.skipped_ = skipped
     model.scan_names_, model.scan_labels_ = description["scan_names"], description["scan_labels"]
-    model.ensemble_ = _ensemble(tensors, description)
-    n_columns = len(tensors["stimuli.motifs"])
+    model.ensemble_ = _ensemble(tensors, description, ensemble_parameters)
+    n_columns = len(tensors["stimuli.sources"])
     indptr = np.concatenate([[0], np.cumsum(tensors["stimuli.row_lengths"])])
     model.stimuli_ = csr_matrix(
         (tensors["stimuli.values"], tensors["stimuli.columns"], indptr), shape=(n_scans, n_columns)
@@ -81,11 +84,13 @@ def restore_model(tensors: Tensors, description: dict[str, Any]) -> ShapeConcept
     rows = normalised_rows(model.stimuli_, "stimuli")
     model.filtration_ = _filtration(tensors, description, rows)
     model.concepts_, model.labels_ = model.filtration_.concepts_, model.filtration_.labels_
-    model.response_ = _response(tensors, description["largest_divergence"], rows)
+    model.response_ = _response(tensors, description, rows)
     return model
 
 
-def _ensemble(tensors: Tensors, description: dict[str, Any]) -> MotifHierarchyEnsemble:
+def _ensemble(
+    tensors: Tensors, description: dict[str, Any], parameters: dict[str, Any]
+) -> MotifHierarchyEnsemble:
     dictionary = SegmentDictionary(
         **decode_parameters(
             description["dictionary_parameters"], SegmentDictionary, "the dictionary's parameters"
@@ -97,9 +102,6 @@ def _ensemble(tensors: Tensors, description: dict[str, Any]) -> MotifHierarchyEn
     dictionary.parents_ = np.split(tensors["dictionary.parents"], ends)
     dictionary.clusters_ = tensors["dictionary.clusters"]
 
-    parameters = decode_parameters(
-        description["ensemble_parameters"], MotifHierarchyEnsemble, "the ensemble's parameters"
-    )
     ensemble = MotifHierarchyEnsemble(clone(dictionary), **parameters)
     ensemble.dictionary_ = dictionary
     skipped = dict(description["skipped"])
@@ -114,8 +116,8 @@ def _ensemble(tensors: Tensors, description: dict[str, Any]) -> MotifHierarchyEn
         prototype_constellations=tensors["prototypes.constellations"],
         object_names=tuple(name for i, name in enumerate(description["scan_names"]) if i not in skipped),
     )
-    ensemble.columns_ = tensors["stimuli.motifs"]
-    ensemble._training_stimuli = None
+    ensemble.columns_ = tensors["stimuli.sources"]
+    ensemble._training_stimuli = ensemble._prototype_field = None
     return ensemble
 
 
@@ -139,6 +141,7 @@ def _filtration(tensors: Tensors, description: dict[str, Any], rows: csr_matrix)
         **decode_parameters(description["filtration_parameters"], Filtration, "the filtration's parameters")
     )
     filtration._annex(space)
+    filtration.concept_time_ = description["concept_time"]
     filtration.epsilon_max_ = description["epsilon_max"]
     filtration.labels_ = tensors["concepts.labels"]
     filtration.concepts_ = [
@@ -155,17 +158,19 @@ def _filtration(tensors: Tensors, description: dict[str, Any], rows: csr_matrix)
     return filtration
 
 
-def _response(tensors: Tensors, largest_divergence: float, rows: csr_matrix) -> ConceptResponse:
+def _response(tensors: Tensors, description: dict[str, Any], rows: csr_matrix) -> ConceptResponse:
     labels = tensors["concepts.labels"]
     is_prototype = labels >= 0
-    response = ConceptResponse()
+    response = ConceptResponse(
+        **decode_parameters(description["response_parameters"], ConceptResponse, "the response's parameters")
+    )
     response.n_features_in_ = rows.shape[1]
     response.classes_, response.prototype_concepts_ = np.unique(
         labels[is_prototype].astype(np.int64), return_inverse=True
     )
     response.prototypes_ = csr_matrix(rows[is_prototype])
     response.mean_, response.whitening_ = tensors["response.mean"], tensors["response.whitening"]
-    response.largest_divergence_ = largest_divergence
+    response.largest_divergence_ = description["largest_divergence"]
     return response
 
 

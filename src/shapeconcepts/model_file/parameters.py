@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from sklearn.base import BaseEstimator
 
-from shapeconcepts.descriptors import Descriptor
+from shapeconcepts.concepts.response import DISTANCES
+from shapeconcepts.descriptors import FPFH, Descriptor, Surflet
 from shapeconcepts.descriptors.registry import DESCRIPTORS
 from shapeconcepts.descriptors.surflet import SCALES
 from shapeconcepts.model_file.error import ModelError, require
 from shapeconcepts.model_file.layout import check_names
 from shapeconcepts.motifs.dictionary import METRICS
+from shapeconcepts.motifs.ensemble import COLUMNS
+from shapeconcepts.topology.filtration import HEATS, STOPS
 
 Check = tuple[Callable[[Any], bool], str]
 
@@ -33,12 +36,16 @@ def _is_positive(value: object) -> bool:
 
 
 _POSITIVE: Check = (_is_positive, "a positive number")
-_METRIC: Check = (lambda value: isinstance(value, str) and value in METRICS, f"one of {', '.join(METRICS)}")
+
+
+def _choice(names: Sequence[str]) -> Check:
+    return (lambda value: isinstance(value, str) and value in names, f"one of {', '.join(names)}")
+
 
 _CHECKS: dict[str, Check] = {
     "n_levels": _whole(1),
-    "word_metric": _METRIC,
-    "metric": _METRIC,
+    "word_metric": _choice(METRICS),
+    "metric": _choice(METRICS),
     "bandwidth": _POSITIVE,
     "leave_own_out": (lambda value: type(value) in (bool, int) and value in (0, 1), "true or false"),
     "min_support": _whole(1),
@@ -48,8 +55,17 @@ _CHECKS: dict[str, Check] = {
     "seed_size": _POSITIVE,
     "max_segments": _whole(1),
     "radius": _POSITIVE,
-    "scale": (lambda value: isinstance(value, str) and value in SCALES, f"one of {', '.join(SCALES)}"),
+    "scale": _choice(SCALES),
+    "columns": _choice(COLUMNS),
+    "n_neighbours": _whole(1),
+    "heat": _choice(HEATS),
+    "stop": _choice(STOPS),
+    "distance": _choice(DISTANCES),
+    "response_distance": _choice(DISTANCES),
 }
+
+# Descriptors that a file can hold with parameters of their own.
+_WITH_PARAMETERS: dict[str, type[FPFH] | type[Surflet]] = {"fpfh": FPFH, "surflet": Surflet}
 
 # How many jobs to run is a matter of the machine, not of the model; a dictionary has an entry of its own.
 _LEFT_OUT = ("n_jobs", "dictionary")
@@ -100,7 +116,7 @@ def _plain(value: object) -> object:
 def _encode_descriptor(descriptor: str | Descriptor) -> object:
     if isinstance(descriptor, str):
         return descriptor
-    for name, built_in in DESCRIPTORS.items():
+    for name, built_in in _WITH_PARAMETERS.items():
         # Not isinstance: what a subclass computes is code, and no file holds that.
         if type(descriptor) is built_in:
             values = {field.name: getattr(descriptor, field.name) for field in dataclasses.fields(built_in)}
@@ -112,14 +128,15 @@ def _encode_descriptor(descriptor: str | Descriptor) -> object:
 
 
 def _decode_descriptor(encoded: object) -> str | Descriptor:
+    has_parameters = isinstance(encoded, dict)
     name = encoded.get("type") if isinstance(encoded, dict) else encoded
-    if not isinstance(name, str) or name not in DESCRIPTORS:
+    if not isinstance(name, str) or name not in (_WITH_PARAMETERS if has_parameters else DESCRIPTORS):
         raise ModelError(f"parameter descriptor must be one of {', '.join(DESCRIPTORS)}, got {encoded!r:.60}")
     if not isinstance(encoded, dict):
         return name
-    expected = {field.name for field in dataclasses.fields(DESCRIPTORS[name])}
+    expected = {field.name for field in dataclasses.fields(_WITH_PARAMETERS[name])}
     check_names("entry of descriptor", set(encoded), {"type", *expected})
-    return DESCRIPTORS[name](**{key: _decoded(key, encoded[key]) for key in expected})
+    return _WITH_PARAMETERS[name](**{key: _decoded(key, encoded[key]) for key in expected})
 
 
 def is_share(value: object) -> bool:

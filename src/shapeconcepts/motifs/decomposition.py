@@ -66,3 +66,8 @@ def decompose(segment_edges: ArrayLike, n_segments: int) -> Decomposition:
     if (edges[:, 0] == edges[:, 1]).any():
         raise ValueError(f"segment_edges must join two different segments, got {edges.tolist()}")
     return Decomposition(*enumerate_constellations(n_segments, np.ascontiguousarray(edges, np.int32)))
+
+
+def segments_in(constellation: int) -> tuple[int, ...]:
+    """Segments of a constellation given as a bitmask."""
+    return tuple(i for i in range(int(constellation).bit_length()) if int(constellation) >> i & 1)

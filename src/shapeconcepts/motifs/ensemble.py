@@ -18,12 +18,15 @@ from shapeconcepts.descriptors.described_object import DescribedObject, describe
 from shapeconcepts.descriptors.protocol import Descriptor
 from shapeconcepts.descriptors.registry import get_descriptor
 from shapeconcepts.motifs.dictionary import SegmentDictionary
-from shapeconcepts.motifs.explanation import Explanation, explain_propagation
+from shapeconcepts.motifs.explanation import Explanation, explain_by_prototypes, explain_propagation
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.propagation import propagate
-from shapeconcepts.motifs.stimuli import Activation, sparse_rows, stimuli_rows
-from shapeconcepts.parameter_checks import check_integer
+from shapeconcepts.motifs.prototype_stimuli import PrototypeField, prototype_rows
+from shapeconcepts.motifs.stimuli import Activation, SparseRow, sparse_rows, stimuli_rows
+from shapeconcepts.parameter_checks import check_choice, check_integer
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
+
+COLUMNS = ("prototypes", "motifs")
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -34,9 +37,8 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
 
     Each object is decomposed into constellations of neighbouring segments. In each hierarchy, one for each
     level of the dictionary, a constellation belongs to the motif vertex of its words and leaves its
-    description there as a prototype. An object's stimulus at a vertex says how much its own constellation
-    with these words resembles the prototypes (paper: Hierarchical Object Decomposition and Representation,
-    Stimuli Generation).
+    description there as a prototype. An object's stimuli say how much its own constellations resemble these
+    prototypes (paper: Hierarchical Object Decomposition and Representation, Stimuli Generation).
 
     Parameters
     ----------
@@ -44,16 +46,21 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         A fitted one is used as it is; one that is not fitted, or None for the default, is learned from the
         segments of the objects of the first `fit` or `partial_fit`. scikit-learn's `clone` forgets what a
         dictionary learned; wrap it in `sklearn.frozen.FrozenEstimator` where it must not.
-    descriptor : {"fpfh", "surflet"} or Descriptor
+    descriptor : {"surflet+fpfh", "surflet", "fpfh"} or Descriptor
         Describes objects that come without a description.
+    columns : {"prototypes", "motifs"}
+        What a column of the stimuli stands for: one prototype, see `PrototypeField`; or a motif vertex with
+        the mean over its prototypes (the paper's equation 1).
+    n_neighbours : int
+        For "prototypes": the bandwidth around a prototype follows the divergence to its n-th neighbour.
     bandwidth : float
-        Sigma of equation 1, in bits of Jensen-Shannon divergence.
+        For "motifs": sigma of equation 1, in bits of Jensen-Shannon divergence.
     leave_own_out : bool
         Whether an object's own prototypes are left out of its row in `stimuli_`. They always match, which no
         prototype does for a new object.
     min_support : int
-        Smallest number of training objects in which a motif must have been seen to be a column of the
-        stimuli.
+        For "motifs": smallest number of training objects in which a motif must have been seen to be a column
+        of the stimuli.
     n_jobs : int or None
         As in joblib. The result does not depend on it.
 
@@ -63,19 +70,23 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
     hierarchies_ : MotifHierarchies
         Vertices, edges and prototypes.
     columns_ : (c,) int64
-        Vertex behind each column of the stimuli, ordered by dictionary level, number of words, and words.
+        Prototype behind each column of the stimuli, in the order in which they were seen; or vertex, ordered
+        by dictionary level, number of words, and words.
     stimuli_ : (n_objects, c) csr_matrix of float64
         Rows of the training objects, to learn from. `transform` of the same objects gives other rows, as it
         leaves nothing out.
     """
 
     _training_stimuli: csr_matrix | None
-    _stimuli_parameters: tuple[float, bool]
+    _stimuli_parameters: tuple[float, bool, int]
+    _prototype_field: PrototypeField | None
 
     def __init__(
         self,
         dictionary: SegmentDictionary | None = None,
-        descriptor: str | Descriptor = "surflet",
+        descriptor: str | Descriptor = "surflet+fpfh",
+        columns: str = "prototypes",
+        n_neighbours: int = 20,
         bandwidth: float = 0.1,
         leave_own_out: bool = True,
         min_support: int = 2,
@@ -83,6 +94,8 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
     ) -> None:
         self.dictionary = dictionary
         self.descriptor = descriptor
+        self.columns = columns
+        self.n_neighbours = n_neighbours
         self.bandwidth = bandwidth
         self.leave_own_out = leave_own_out
         self.min_support = min_support
@@ -95,8 +108,8 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         Parameters
         ----------
         name : {"default", "paper"}
-            "paper" takes the paper at its word: 4 dictionary levels under L2, FPFH, sigma 0.025, own
-            prototypes in, every vertex a column.
+            "paper" takes the paper at its word: words under L2, FPFH, every vertex a column, sigma 0.025, own
+            prototypes in.
 
         Raises
         ------
@@ -107,7 +120,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
             return cls()
         if name == "paper":
             dictionary = SegmentDictionary(n_levels=4, metric="euclidean")
-            return cls(dictionary, "fpfh", bandwidth=0.025, leave_own_out=False, min_support=1)
+            return cls(dictionary, "fpfh", "motifs", bandwidth=0.025, leave_own_out=False, min_support=1)
         raise ValueError(f"preset must be 'default' or 'paper', got {name!r}")
 
     def fit(self, X: Iterable[SegmentedObject | DescribedObject], y: object = None) -> MotifHierarchyEnsemble:
@@ -161,7 +174,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         Returns
         -------
         (n, c) csr_matrix of float64
-            Stimuli between 1e-6 and 1; smaller ones are left out. A row is the same alone and among others.
+            Stimuli up to 1, without those that are next to nothing. A row is the same alone and among others.
 
         Raises
         ------
@@ -194,16 +207,20 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         check_is_fitted(self, "hierarchies_")
         self._check_parameters()
         (described,) = self._described([X])
-        return explain_propagation(
-            propagate(described, self.dictionary_), self.hierarchies_, self.columns_, float(self.bandwidth)
-        )
+        propagation = propagate(described, self.dictionary_)
+        if self.columns == "prototypes":
+            return explain_by_prototypes(propagation, self.hierarchies_, self._field())
+        return explain_propagation(propagation, self.hierarchies_, self.columns_, float(self.bandwidth))
 
     def get_feature_names_out(self, input_features: object = None) -> NDArray[np.object_]:
-        """Names of the columns: "d3 m2 w1 w4" is the motif of words 1 and 4 of dictionary level 3.
+        """Names of the columns.
 
-        m2 says that the motif was first seen at motif level 2.
+        "object5 s0 s2" is the prototype that segments 0 and 2 of training object 5 left; "d3 m2 w1 w4" is the
+        motif of words 1 and 4 of dictionary level 3, first seen at motif level 2.
         """
         check_is_fitted(self, "hierarchies_")
+        if self.columns == "prototypes":
+            return np.array([self.hierarchies_.prototype_name(t) for t in self.columns_], dtype=object)
         return np.array([self.hierarchies_.name(vertex) for vertex in self.columns_], dtype=object)
 
     @property
@@ -211,7 +228,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         """Rows of the training objects, computed when they are first asked for."""
         check_is_fitted(self, "hierarchies_")
         self._check_parameters()
-        parameters = (float(self.bandwidth), bool(self.leave_own_out))
+        parameters = (float(self.bandwidth), bool(self.leave_own_out), self.n_neighbours)
         if self._training_stimuli is None or self._stimuli_parameters != parameters:
             self._stimuli_parameters = parameters
             known = self.hierarchies_
@@ -228,8 +245,12 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         propagations = [propagate(one, dictionary) for one in described]
         self.hierarchies_ = hierarchies.with_objects(propagations, [one.name for one in described])
         self.dictionary_ = dictionary
-        self.columns_ = _columns(self.hierarchies_, self.min_support)
-        self._training_stimuli = None
+        self.columns_ = (
+            np.arange(len(self.hierarchies_.prototypes))
+            if self.columns == "prototypes"
+            else _supported_vertices(self.hierarchies_, self.min_support)
+        )
+        self._training_stimuli = self._prototype_field = None
         return self
 
     def _fitted_dictionary(self, described: list[DescribedObject]) -> SegmentDictionary:
@@ -262,14 +283,25 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         return flat
 
     def _stimuli(self, activations: list[Activation]) -> csr_matrix:
+        # The kernels run without Python's lock, so threads do, and nothing is copied.
+        rows: list[SparseRow]
+        if self.columns == "prototypes":
+            rows = _in_chunks(prototype_rows, activations, self.n_jobs, "threads", self._field())
+            return sparse_rows(rows, len(self.columns_))
         column_of = np.full(self.hierarchies_.n_vertices, -1, np.int32)
         column_of[self.columns_] = np.arange(len(self.columns_))
-        # The kernels run without Python's lock, so threads do, and nothing is copied.
         known = (self.hierarchies_, column_of, float(self.bandwidth))
         rows = _in_chunks(stimuli_rows, activations, self.n_jobs, "threads", *known)
         return sparse_rows(rows, len(self.columns_))
 
+    def _field(self) -> PrototypeField:
+        if self._prototype_field is None or self._prototype_field.n_neighbours != self.n_neighbours:
+            self._prototype_field = PrototypeField.of(self.hierarchies_, self.n_neighbours)
+        return self._prototype_field
+
     def _check_parameters(self) -> None:
+        check_choice("columns", self.columns, COLUMNS)
+        check_integer("n_neighbours", self.n_neighbours, 1)
         if (
             isinstance(self.bandwidth, bool)
             or not isinstance(self.bandwidth, Real)
@@ -280,7 +312,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         get_descriptor(self.descriptor)
 
 
-def _columns(hierarchies: MotifHierarchies, min_support: int) -> NDArray[np.int64]:
+def _supported_vertices(hierarchies: MotifHierarchies, min_support: int) -> NDArray[np.int64]:
     """Vertices with enough support, in an order that does not depend on when they were seen."""
     supported = np.flatnonzero(hierarchies.support >= min_support)
     words = hierarchies.words[supported]

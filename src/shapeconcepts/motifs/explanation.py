@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shapeconcepts.motifs.decomposition import segments_in
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.propagation import Propagation
+from shapeconcepts.motifs.prototype_stimuli import PrototypeField
 from shapeconcepts.motifs.stimuli import SMALLEST_STIMULUS, constellation_stimuli
 from shapeconcepts.motifs.stimulus_kernels import divergences_to, negative_entropies
 
@@ -43,20 +45,20 @@ class FiredMotif:
     Attributes
     ----------
     column : int
-        Column of the stimuli.
+        Column of the stimuli; of single prototypes, that of the one stimulated most.
     vertex : int
-        Number of the motif vertex.
+        Number of the motif vertex; -1 for none.
     name : str
-        As in `get_feature_names_out`.
+        Name of the vertex: "d3 m2 w1 w4" is words 1 and 4 of dictionary level 3, seen at motif level 2.
     dictionary_level, motif_level : int
-        From 1.
+        From 1; dictionary level 0 is that without words.
     words : tuple of int
         Words of the motif, rising.
     stimulus : float
     segments : tuple of int
         The object's own segments behind it.
     n_prototypes : int
-        Number of prototypes that the stimulus is the mean over.
+        Number of prototypes that the stimulus is the mean over, or that are stimulated.
     closest : tuple of SimilarPrototype
         The prototypes of smallest divergence, at most 5, each training object once.
     """
@@ -80,7 +82,8 @@ class Explanation:
     Attributes
     ----------
     motifs : tuple of FiredMotif
-        In falling order of the stimulus; of equal ones the one of more segments first.
+        In falling order of the stimulus; of equal ones the one of more segments first. Where columns are
+        single prototypes, one for each constellation, with the largest stimulus of any of them.
     n_constellations : int
         Number of the object's constellations.
     n_unknown : tuple of int
@@ -127,9 +130,44 @@ def explain_propagation(
     )
 
 
-def segments_in(constellation: int) -> tuple[int, ...]:
-    """Segments of a constellation given as a bitmask."""
-    return tuple(i for i in range(int(constellation).bit_length()) if int(constellation) >> i & 1)
+def explain_by_prototypes(
+    propagation: Propagation, hierarchies: MotifHierarchies, field: PrototypeField
+) -> Explanation:
+    """Explain the stimuli of single prototypes: one entry for each constellation that stimulates any.
+
+    The motif of an entry is the one of the finest dictionary level that the constellation shares with the
+    prototype that it stimulates most; without any, it has level 0 and no words.
+    """
+    activated = hierarchies.activated(propagation.words)
+    stimuli = field.stimuli((propagation.histograms, activated, -1))
+    motifs = []
+    for constellation, row in enumerate(stimuli):
+        strongest = int(row.argmax()) if len(row) else -1
+        if strongest < 0 or row[strongest] == 0:
+            continue
+        shared = np.flatnonzero(activated[constellation] == hierarchies.prototype_vertices[strongest])
+        vertex = int(activated[constellation, shared[-1]]) if len(shared) else -1
+        behind = np.argsort(-row, kind="stable")[: np.count_nonzero(row)].astype(np.int32)
+        motifs.append(
+            FiredMotif(
+                column=strongest,
+                vertex=vertex,
+                name=hierarchies.name(vertex) if vertex >= 0 else "d0",
+                dictionary_level=int(hierarchies.dictionary_levels[vertex]) if vertex >= 0 else 0,
+                motif_level=int(propagation.motif_levels[constellation]),
+                words=hierarchies.motif(vertex) if vertex >= 0 else (),
+                stimulus=float(row[strongest]),
+                segments=segments_in(int(propagation.constellations[constellation])),
+                n_prototypes=len(behind),
+                closest=_closest(propagation.histograms[constellation], behind, hierarchies),
+            )
+        )
+    motifs.sort(key=lambda motif: (-motif.stimulus, -len(motif.segments), motif.column))
+    return Explanation(
+        motifs=tuple(motifs),
+        n_constellations=len(propagation.constellations),
+        n_unknown=tuple((activated < 0).sum(axis=0).tolist()),
+    )
 
 
 def _fired_motif(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
+from shapeconcepts.motifs.decomposition import MAX_SEGMENTS, segments_in
 from shapeconcepts.motifs.hierarchy_kernels import linked_vertices
 from shapeconcepts.motifs.propagation import Propagation
 from shapeconcepts.motifs.stimulus_kernels import negative_entropies
@@ -187,6 +187,11 @@ class MotifHierarchies:
         """Name of a vertex: "d3 m2 w1 w4" is words 1 and 4 of dictionary level 3, seen at motif level 2."""
         words = " ".join(f"w{word}" for word in self.motif(vertex))
         return f"d{self.dictionary_levels[vertex]} m{self.motif_levels[vertex]} {words}"
+
+    def prototype_name(self, prototype: int) -> str:
+        """Name of a prototype: "object5 s0 s2" is what segments 0 and 2 of training object 5 left."""
+        segments = " ".join(f"s{i}" for i in segments_in(int(self.prototype_constellations[prototype])))
+        return f"object{self.prototype_objects[prototype]} {segments}"
 
     def graph(self, dictionary_level: int) -> networkx.Graph:
         """One hierarchy for the tools of networkx.

@@ -13,22 +13,26 @@ from scipy.sparse.csgraph import connected_components
 from sklearn.base import BaseEstimator, ClusterMixin
 from sklearn.utils.validation import check_is_fitted
 
-from shapeconcepts.parameter_checks import check_integer
-from shapeconcepts.topology.annexation_kernels import annex
+from shapeconcepts.parameter_checks import check_choice, check_integer
+from shapeconcepts.topology.annexation_kernels import annex, separation_order
 from shapeconcepts.topology.concept import Concept
 from shapeconcepts.topology.medoid_kernels import medoids_of_groups
 from shapeconcepts.topology.space import TopologicalSpace
+from shapeconcepts.topology.stopping import States, longest_state, most_annexations
 
 if TYPE_CHECKING:
     import networkx
 
+HEATS = ("separation", "geodesic")
+STOPS = ("lifetime", "annexations")
+
 
 class Filtration(ClusterMixin, BaseEstimator):
-    """Lets the objects of a topological space annex each other, from the leaves of its tree to the centre.
+    """Lets the objects of a topological space annex each other along the edges of its tree.
 
-    Edges of the tree enter in the order of their heat. Time runs from just above 0, when the first enter, to
-    1, when a single class is left. At each edge the class with fewer members dies (paper: Topological
-    Filtration, Persistent Shape Concept Extraction).
+    Edges enter in the order of their heat. Time runs from just above 0, when the first enter, to 1, when a
+    single class is left. At each edge the class with fewer members dies (paper: Topological Filtration,
+    Persistent Shape Concept Extraction).
 
     Parameters
     ----------
@@ -36,6 +40,12 @@ class Filtration(ClusterMixin, BaseEstimator):
         Smallest number of objects of a concept, at least 2.
     max_steps : int
         Largest number of equal steps of time in which annexations are counted, from 1.
+    heat : {"separation", "geodesic"}
+        "separation": an edge is the hotter, the longer it is and the larger the classes are that it holds
+        apart, length times sqrt(a b / (a + b)) for a and b objects, the length being the root of the
+        divergence. "geodesic": the more central it is in the tree (paper: equation 2).
+    stop : {"lifetime", "annexations"}
+        The time at which concepts are taken: see `longest_state`, and `most_annexations` (paper).
 
     Attributes
     ----------
@@ -47,18 +57,26 @@ class Filtration(ClusterMixin, BaseEstimator):
     annexations_ : (e, 2) int32
         Representative of the class that dies, and of the one that it dies into: the edges of the filtration
         graph F.
+    concept_time_ : float or None
+        The time at which concepts are taken. None where no time leaves at least two.
     epsilon_max_ : float or None
-        The time at which concepts are taken: the end of the earliest step with the most annexations, among
-        those after which there are at least two concepts and none holds more than half of the objects. None
-        where there is no such step.
+        The paper's indicator of that time: where annexations are most frequent.
     labels_ : (n,) int32
         Concept of each object at that time, -1 for none.
     concepts_ : list of Concept
     """
 
-    def __init__(self, min_concept_size: int = 3, max_steps: int = 200) -> None:
+    def __init__(
+        self,
+        min_concept_size: int = 3,
+        max_steps: int = 200,
+        heat: str = "separation",
+        stop: str = "lifetime",
+    ) -> None:
         self.min_concept_size = min_concept_size
         self.max_steps = max_steps
+        self.heat = heat
+        self.stop = stop
 
     def fit(self, X: ArrayLike | spmatrix | sparray, y: object = None) -> Filtration:
         """Filter the space of the rows of a matrix.
@@ -83,37 +101,48 @@ class Filtration(ClusterMixin, BaseEstimator):
         UserWarning
             If there is no time at which the objects fall into at least two concepts.
         """
+        check_choice("heat", self.heat, HEATS)
+        check_choice("stop", self.stop, STOPS)
         check_integer("min_concept_size", self.min_concept_size, 2)
         check_integer("max_steps", self.max_steps, 1)
         self._filter(TopologicalSpace().fit(X))
         return self
 
     def _filter(self, space: TopologicalSpace) -> None:
-        self.epsilon_max_ = self._most_annexations(*self._annex(space))
-        if self.epsilon_max_ is None:
+        states = self._annex(space)
+        self.epsilon_max_ = most_annexations(states, *self.annexations())
+        self.concept_time_ = longest_state(states) if self.stop == "lifetime" else self.epsilon_max_
+        if self.concept_time_ is None:
             self.concepts_: list[Concept] = []
             warnings.warn(
-                f"no step of the filtration of {len(self.space_.vertices_)} objects "
+                f"no time of the filtration of {len(self.space_.vertices_)} objects "
                 f"({len(self.space_.multiplicities_)} different places in the space) leaves two concepts of "
-                f"at least {self.min_concept_size} objects without one that holds more than half: "
-                "no object is in a concept",
+                f"at least {self.min_concept_size} objects"
+                + (" without one that holds more than half" if self.stop == "annexations" else "")
+                + ": no object is in a concept",
                 stacklevel=3,
             )
         else:
-            self.concepts_ = self.concepts_at(self.epsilon_max_)
+            self.concepts_ = self.concepts_at(self.concept_time_)
         self.labels_ = self._labels(self.concepts_)
 
-    def _annex(self, space: TopologicalSpace) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Let the edges of a space enter; members of the dying and surviving class at each, just before."""
+    def _annex(self, space: TopologicalSpace) -> States:
+        """Let the edges of a space enter."""
         self.space_ = space
         self.n_features_in_ = space.n_features_in_
-        times = _times(space.edge_heat_)
-        order = np.argsort(times, kind="stable")
-        self.times_ = times[order]
+        if self.heat == "separation":
+            lengths = np.sqrt(space.divergences_)
+            order, edge_heat = separation_order(space.edges_, lengths, space.multiplicities_)
+        else:
+            order = np.argsort(space.edge_heat_, kind="stable")
+            edge_heat = space.edge_heat_[order]
+        self.times_ = _times(edge_heat)
         self.edges_ = space.edges_[order]
         dying, surviving, dying_sizes, surviving_sizes = annex(self.edges_, space.multiplicities_)
         self.annexations_ = np.stack([dying, surviving], axis=1)
-        return dying_sizes, surviving_sizes
+        return States.of(
+            self.times_, dying_sizes, surviving_sizes, space.multiplicities_, self.min_concept_size
+        )
 
     @property
     def times(self) -> NDArray[np.float64]:
@@ -128,8 +157,14 @@ class Filtration(ClusterMixin, BaseEstimator):
         return self.edges_
 
     @property
+    def concept_time(self) -> float | None:
+        """Time at which concepts are taken, None where no time qualifies."""
+        check_is_fitted(self)
+        return self.concept_time_
+
+    @property
     def epsilon_max(self) -> float | None:
-        """Time at which concepts are taken, None where no state qualifies."""
+        """The paper's time of the most annexations, None where no step qualifies."""
         check_is_fitted(self)
         return self.epsilon_max_
 
@@ -264,28 +299,6 @@ class Filtration(ClusterMixin, BaseEstimator):
         """Step in which each annexation falls."""
         n_steps = self.n_steps
         return np.clip(np.ceil(self.times_ * n_steps - 1e-9).astype(np.int64) - 1, 0, n_steps - 1)
-
-    def _most_annexations(
-        self, dying_sizes: NDArray[np.int64], surviving_sizes: NDArray[np.int64]
-    ) -> float | None:
-        """The paper's optimal time, limited to states that are not trivial."""
-        sizes = dying_sizes + surviving_sizes
-        smallest, n_objects = self.min_concept_size, self.space_.multiplicities_.sum()
-        n_concepts = (self.space_.multiplicities_ >= smallest).sum() + np.cumsum(
-            (sizes >= smallest).astype(int)
-            - (dying_sizes >= smallest).astype(int)
-            - (surviving_sizes >= smallest).astype(int)
-        )
-        largest = np.maximum(np.maximum.accumulate(sizes), self.space_.multiplicities_.max(initial=0))
-        step_ends, counts = self.annexations()
-        last = np.cumsum(counts) - 1
-        is_open = (counts > 0) & (last >= 0)
-        is_open[is_open] &= (n_concepts[last[is_open]] >= 2) & (2 * largest[last[is_open]] <= n_objects)
-        if not is_open.any():
-            return None
-        best = np.where(is_open, counts, -1).argmax()
-        # Rounding may put the last annexation of a step behind its end.
-        return float(max(step_ends[best], self.times_[last[best]]))
 
     def __sklearn_tags__(self) -> Any:
         tags = super().__sklearn_tags__()

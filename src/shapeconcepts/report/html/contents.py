@@ -89,7 +89,6 @@ def _filtration(filtration: Filtration) -> dict[str, Any]:
     space = filtration.space_
     n_vertices = len(space.multiplicities_)
     step_ends, counts = filtration.annexations()
-    epsilon_max = filtration.epsilon_max_
     return {
         "tree": _rounded(lay_out_tree(space.edges_, n_vertices)),
         "heat": _rounded(space.vertex_heat_),
@@ -99,7 +98,7 @@ def _filtration(filtration: Filtration) -> dict[str, Any]:
         "graph": _rounded(lay_out_filtration(filtration.annexations_, filtration.times_, n_vertices)),
         "stepEnds": step_ends.tolist(),
         "stepCounts": counts.tolist(),
-        "epsilonMax": epsilon_max,
+        "conceptTime": filtration.concept_time_,
         "minSize": int(filtration.min_concept_size),
     }
 

@@ -40,7 +40,7 @@ function lifetimeBar(rank) {
   return element("span", { className: "life", title: "The strip is time from 0 to 1; the bar is this concept's lifetime, the mark ε_max." },
     element("span", { className: "life-bar", style: { left: `${100 * concept.birth}%`,
       width: `${Math.max(1, 100 * (death - concept.birth))}%`, background: conceptColour(rank) } }),
-    element("span", { className: "life-mark", style: { left: `${100 * filtration.epsilonMax}%` } }));
+    element("span", { className: "life-mark", style: { left: `${100 * filtration.conceptTime}%` } }));
 }
 
 function conceptCard(rank) {

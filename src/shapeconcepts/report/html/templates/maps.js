@@ -52,9 +52,9 @@ function graphFigure() {
       context.fillStyle = "#8b8f99";
       context.fillText(time ? time : "time 0", cx, cy + r * radius(time) + 8);
     }
-    if (filtration.epsilonMax !== null) {
+    if (filtration.conceptTime !== null) {
       context.setLineDash([5, 5]);
-      ring(filtration.epsilonMax, ACCENT, 1.2);
+      ring(filtration.conceptTime, ACCENT, 1.2);
       context.setLineDash([]);
     }
     ring(state.time, ACCENT, 2.2);

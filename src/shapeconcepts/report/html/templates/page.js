@@ -48,7 +48,7 @@ function timeControl() {
   const play = element("button", { textContent: "▶ play", onclick: () => {
     if (playing !== null) { stop(); return; }
     play.textContent = "❚❚ pause";
-    const start = performance.now(), from = state.time >= 1 || state.time === filtration.epsilonMax ? 0 : state.time;
+    const start = performance.now(), from = state.time >= 1 || state.time === filtration.conceptTime ? 0 : state.time;
     const advance = (now) => {
       const time = Math.min(1, from + (now - start) / 9000);
       change({ time });
@@ -57,8 +57,8 @@ function timeControl() {
     };
     playing = requestAnimationFrame(advance);
   } });
-  const back = filtration.epsilonMax === null ? "" : element("button", { textContent: "to ε_max",
-    onclick: () => { stop(); change({ time: filtration.epsilonMax }); } });
+  const back = filtration.conceptTime === null ? "" : element("button", { textContent: "to ε_max",
+    onclick: () => { stop(); change({ time: filtration.conceptTime }); } });
   const update = () => {
     const { classes, groups, largest } = groupsAt(state.time);
     slider.value = state.time;

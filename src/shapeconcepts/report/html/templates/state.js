@@ -28,7 +28,7 @@ scans.vertices.forEach((vertex, scan) => {
   rankOfVertex[vertex] = rankOfScan[scan];
 });
 
-const state = { hovered: null, selected: null, time: filtration.epsilonMax ?? 1, colouring: "concept" };
+const state = { hovered: null, selected: null, time: filtration.conceptTime ?? 1, colouring: "concept" };
 const listeners = [];
 let isDrawing = false;
 function onChange(listener) { listeners.push(listener); }

@@ -42,7 +42,7 @@ function timelineFigure() {
   canvas.addEventListener("pointerup", release);
   canvas.addEventListener("pointercancel", release);
   canvas.addEventListener("pointerleave", () => { showTip(null); change({ hovered: null }); });
-  const epsilon = filtration.epsilonMax;
+  const epsilon = filtration.conceptTime;
   return element("figure", {}, element("h3", { textContent: "Annexations over time, and the barcode" }), canvas,
     element("figcaption", { textContent:
       "Above: how many classes are annexed in each step of time. "
@@ -80,7 +80,7 @@ function drawCurve(context, x) {
   const most = filtration.stepCounts.reduce((m, n) => Math.max(m, n), 1);
   const y = (count) => CURVE - count / most * (CURVE - 26);
   const step = 1 / filtration.stepEnds.length;
-  const epsilon = filtration.epsilonMax;
+  const epsilon = filtration.conceptTime;
   filtration.stepEnds.forEach((end, i) => {
     const isPeak = epsilon !== null && Math.abs(end - epsilon) < 1e-9;
     context.fillStyle = isPeak ? ACCENT : end - step < state.time - 1e-9 ? "#7d8db0" : "#d3d7e0";
@@ -135,7 +135,7 @@ function drawCursor(context, x, top) {
     context.textAlign = time > 0.85 ? "right" : "left";
     context.fillText(note, x(time) + (time > 0.85 ? -4 : 4), 8);
   };
-  const epsilon = filtration.epsilonMax;
+  const epsilon = filtration.conceptTime;
   const isThere = epsilon !== null && Math.abs(state.time - epsilon) < 1e-9;
   if (epsilon !== null) line(epsilon, [5, 4], 1.2, `ε_max ${epsilon.toFixed(2)}`);
   if (!isThere) line(state.time, [], 2, epsilon !== null && Math.abs(epsilon - state.time) < 0.1 ? "" : state.time.toFixed(2));

@@ -1,0 +1,92 @@
+"""Stimuli of single prototypes as sparse rows: equation 1 without its mean over a vertex's prototypes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts.motifs.hierarchy import MotifHierarchies
+from shapeconcepts.motifs.prototype_kernels import neighbourhood_scales, prototype_stimuli
+from shapeconcepts.motifs.stimuli import Activation, SparseRow
+
+# Sigma in parts of the divergence to the n-th neighbour.
+WIDTH = 0.5
+SMALLEST_KERNEL = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class PrototypeField:
+    """The prototypes of all hierarchies as sources of stimuli, each with a bandwidth of its own.
+
+    A constellation q stimulates a prototype t by
+
+        (1 + m) / (1 + n) * exp(-d(t, q)^2 / (2 * sigma_t * sigma_q)),
+
+    where d is the squared Hellinger distance of their descriptions, sigma is half of the divergence d to the
+    n-th nearest prototype of other objects, and m of the n hierarchies give both the same motif.
+
+    Attributes
+    ----------
+    roots : (b, p) float32
+        Square roots of the prototypes' histograms.
+    scales : (p,) float64
+        Divergence of each prototype to its n-th neighbour.
+    vertices : (p, n) int32
+        Motif vertex of each prototype in each hierarchy.
+    objects : (p,) int32
+        Training object of each prototype.
+    n_neighbours : int
+    """
+
+    roots: NDArray[np.float32]
+    scales: NDArray[np.float64]
+    vertices: NDArray[np.int32]
+    objects: NDArray[np.int32]
+    n_neighbours: int
+
+    @classmethod
+    def of(cls, hierarchies: MotifHierarchies, n_neighbours: int) -> PrototypeField:
+        """The field of the prototypes of hierarchies."""
+        roots = np.ascontiguousarray(np.sqrt(hierarchies.prototypes).T)
+        objects = hierarchies.prototype_objects
+        scales = neighbourhood_scales(roots, objects, n_neighbours)
+        return cls(roots, scales, hierarchies.prototype_vertices, objects, n_neighbours)
+
+    def stimuli(self, activation: Activation) -> NDArray[np.float64]:
+        """Stimulus of each prototype by each constellation of an object, (k, p) float64, 0 to 1.
+
+        Stimuli under 1e-3 are 0.
+        """
+        histograms, vertices, left_out = activation
+        return prototype_stimuli(
+            np.sqrt(histograms),
+            vertices,
+            self.roots,
+            self.vertices,
+            self.objects,
+            self.scales,
+            left_out,
+            self.n_neighbours,
+            WIDTH,
+            SMALLEST_KERNEL,
+        )
+
+
+def prototype_rows(activations: Sequence[Activation], field: PrototypeField) -> list[SparseRow]:
+    """Row of each object over the prototypes: the mean of its constellations' stimuli, each scaled to sum 1.
+
+    A constellation that stimulates nothing counts as zeros, so a row sums to the share of an object's
+    constellations that remind of anything.
+    """
+    rows = []
+    for activation in activations:
+        stimuli = field.stimuli(activation)
+        sums = stimuli.sum(axis=1, keepdims=True)
+        np.divide(stimuli, sums, out=stimuli, where=sums > 0)
+        row = stimuli.sum(axis=0) / max(len(stimuli), 1)
+        columns = np.flatnonzero(row)
+        rows.append((columns.astype(np.int32), row[columns]))
+    return rows

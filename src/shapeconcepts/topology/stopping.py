@@ -1,0 +1,103 @@
+"""Times at which a filtration can be stopped, found without labels."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class States(NamedTuple):
+    """What there is after each annexation of a filtration.
+
+    Attributes
+    ----------
+    times : (e,) float64
+        Time of each annexation, rising.
+    n_concepts : (e,) int64
+        Classes of the smallest size of a concept or more.
+    largest : (e,) int64
+        Objects in the largest class.
+    n_objects : int
+    """
+
+    times: NDArray[np.float64]
+    n_concepts: NDArray[np.int64]
+    largest: NDArray[np.int64]
+    n_objects: int
+
+    @classmethod
+    def of(
+        cls,
+        times: NDArray[np.float64],
+        dying_sizes: NDArray[np.int64],
+        surviving_sizes: NDArray[np.int64],
+        multiplicities: NDArray[np.int64],
+        min_size: int,
+    ) -> States:
+        """States of a filtration from the members of the classes at each annexation, just before it."""
+        sizes = dying_sizes + surviving_sizes
+        n_concepts = (multiplicities >= min_size).sum() + np.cumsum(
+            (sizes >= min_size).astype(int)
+            - (dying_sizes >= min_size).astype(int)
+            - (surviving_sizes >= min_size).astype(int)
+        )
+        largest = np.maximum(np.maximum.accumulate(sizes), multiplicities.max(initial=0))
+        return cls(times, n_concepts, largest, int(multiplicities.sum()))
+
+
+def longest_state(states: States) -> float | None:
+    """Start of the state that lasts longest for its time, among those of a fair number of concepts.
+
+    How long a grouping outlives the annexation that made it says how clearly its groups are apart. Coarse
+    groupings outlive fine ones for no better reason than that fewer annexations are left, so only those with
+    sqrt(n) / 2 to sqrt(n) concepts of n objects compete; where there are none, those nearest to this range.
+
+    Returns
+    -------
+    float or None
+        None where there are never two concepts.
+    """
+    times = states.times
+    # A state of several annexations at one time is there after the last of them.
+    is_last = np.append(times[1:] > times[:-1], False) if len(times) else np.empty(0, bool)
+    candidates = np.flatnonzero(is_last & (states.n_concepts >= 2))
+    if len(candidates) == 0:
+        return None
+    most = max(np.sqrt(states.n_objects), 2.0)
+    fewest = max(most / 2, 2.0)
+    counts = states.n_concepts[candidates]
+    outside = np.maximum(fewest - counts, counts - most).clip(0)
+    candidates = candidates[outside == outside.min()]
+    return float(times[candidates[np.argmax(times[candidates + 1] / times[candidates])]])
+
+
+def most_annexations(
+    states: States, step_ends: NDArray[np.float64], counts: NDArray[np.int64]
+) -> float | None:
+    """End of the earliest step with the most annexations (the paper's epsilon_max), unless it is trivial.
+
+    After it there are at least two concepts, and none holds more than half of the objects.
+
+    Parameters
+    ----------
+    states : States
+    step_ends, counts : (k,)
+        As `Filtration.annexations` gives them.
+
+    Returns
+    -------
+    float or None
+        None where there is no such step.
+    """
+    last = np.cumsum(counts) - 1
+    is_open = (counts > 0) & (last >= 0)
+    is_open[is_open] &= (states.n_concepts[last[is_open]] >= 2) & (
+        2 * states.largest[last[is_open]] <= states.n_objects
+    )
+    if not is_open.any():
+        return None
+    best = np.where(is_open, counts, -1).argmax()
+    # Rounding may put the last annexation of a step behind its end.
+    return float(max(step_ends[best], states.times[last[best]]))
