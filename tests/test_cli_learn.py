@@ -14,7 +14,8 @@ from typer.testing import CliRunner
 
 import shapeconcepts
 from shapeconcepts.cli import app, learn_command
-from shapeconcepts.cli.object_reader import is_labelled_scene, useful_jobs
+from shapeconcepts.cli.object_reader import useful_jobs
+from shapeconcepts.datasets.osd import is_labelled_scene
 from shapeconcepts.io.write_pcd import write_pcd
 from shapeconcepts.scan import Scan, ScanError
 from shapeconcepts.segmentation import segment_cache

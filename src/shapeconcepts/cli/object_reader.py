@@ -15,9 +15,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from shapeconcepts.cli.terminal import fail
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from shapeconcepts.descriptors import DescribedObject, Descriptor
     from shapeconcepts.io.collection import ReadOptions, ScanFile
     from shapeconcepts.report.html import ScanPreview
@@ -108,7 +105,7 @@ class ObjectReader:
 
     def _scans(self, source: ScanFile | SimulatedObject) -> list[Scan]:
         from shapeconcepts.datasets import simulate_scan
-        from shapeconcepts.datasets.osd import scene_objects
+        from shapeconcepts.datasets.osd import is_labelled_scene, scene_objects
         from shapeconcepts.io.collection import iter_scans
         from shapeconcepts.scan import ScanError
 
@@ -202,16 +199,6 @@ def _called(segmented: SegmentedObject, source: ScanFile | SimulatedObject) -> S
         return replace(segmented, name=source.name, label=source.label)
     stem = source.path.stem
     return replace(segmented, name=f"{stem}/{segmented.name}", label=scene_category(stem))
-
-
-def is_labelled_scene(labels: NDArray[np.int64] | None) -> bool:
-    """Whether point labels number a table and the objects on it, as in the Object Segmentation Database."""
-    import numpy as np
-
-    if labels is None:
-        return False
-    decades = np.unique(labels[labels > 0] // 10)
-    return len(decades) >= 2 and bool(decades[0] == 0 and decades[1] >= 2)
 
 
 def useful_jobs(jobs: int, n_scans: int) -> int:
