@@ -38,12 +38,15 @@ class LabelledObjects:
     labels : (n,) str
     described : dict of str to list of DescribedObject
         By preset.
+    instances : (n,) str or None
+        Which physical object each scan shows, where the data set tells.
     """
 
     name: str
     segmented: list[SegmentedObject]
     labels: NDArray[np.str_]
     described: dict[str, list[DescribedObject]]
+    instances: NDArray[np.str_] | None = None
 
 
 def labelled_objects(
@@ -52,6 +55,7 @@ def labelled_objects(
     presets: Sequence[str],
     n_jobs: int | None = None,
     progress: Progress | None = None,
+    instances: Sequence[str | None] | None = None,
 ) -> LabelledObjects:
     """Describe a data set as each preset does.
 
@@ -63,6 +67,8 @@ def labelled_objects(
     presets : sequence of str
     n_jobs : int or None
     progress : Progress, optional
+    instances : sequence of (str or None), optional
+        Which physical object each scan shows. Where that is not known of all of them, it is as if of none.
 
     Raises
     ------
@@ -86,7 +92,12 @@ def labelled_objects(
             known = [run(describe, tasks, n_jobs, progress, f"Describing {name}")]
             by_descriptor.append((descriptor, known[0]))
         described[preset] = known[0]
-    return LabelledObjects(name, list(segmented), np.array(labels, dtype=np.str_), described)
+    known_instances = None
+    if instances is not None and all(instances):
+        # The same number may name another object under another label.
+        pairs = zip(labels, instances, strict=True)
+        known_instances = np.array([f"{label}/{instance}" for label, instance in pairs])
+    return LabelledObjects(name, list(segmented), np.array(labels, dtype=np.str_), described, known_instances)
 
 
 def check_labels(objects: LabelledObjects) -> None:

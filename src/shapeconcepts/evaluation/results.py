@@ -120,11 +120,11 @@ class SupervisedResult:
     numbers : (a,) int64
     sizes : (b,) int64
     purity, error, coverage : (a, b) float64
-        Means over the folds of all repetitions: mean purity of the concepts of a fold's training objects, mean
-        error over labels of the objects left out, and share of training objects in concepts. NaN where the
-        filtration of a fold never has that many concepts.
+        Means over the folds of all repetitions: mean purity of the concepts of the objects that a fold learns
+        from, mean error over labels of the objects it leaves out, and share of the objects it learns from
+        that are in concepts. NaN where the filtration of a fold never has that many concepts.
     chosen : (int, int)
-        Number and minimum size that the first repetition's cross-validation chose.
+        Number and minimum size that the rule chooses from the folds of all repetitions.
     chosen_purity, chosen_error, chosen_coverage : float
         What these surfaces hold there.
     purity_with_five : float or None

@@ -43,9 +43,9 @@ class ConceptNumbers:
     def time_of(self, number: int, min_size: int) -> float | None:
         """Latest time with `number` groups of at least `min_size` objects.
 
-        Groups first become more, as objects find each other, and then fewer, as groups do. The later of two
-        times with the same number has more of the objects in groups. Where several annexations at once skip the
-        number, it is the time after them.
+        Groups first become more, as objects find each other, and then fewer, as groups do. The later of
+        two times with the same number has more of the objects in groups. Where several annexations at once
+        skip the number, it is the time after them.
 
         Returns
         -------

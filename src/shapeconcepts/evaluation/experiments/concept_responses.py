@@ -46,12 +46,10 @@ def concept_responses(
     Returns
     -------
     (n, k), (m, k) float64
-        An object without any stimulus is as far from each concept as the farthest training object. Without
-        any concept there is one column of zeros, by which nothing can be told apart.
+        NaN in the row of an object without any stimulus. Without any concept there is one column of zeros, by
+        which nothing can be told apart.
     """
     if (concept_of < 0).all():
         return np.zeros((training.shape[0], 1)), np.zeros((test.shape[0], 1))
     response = ConceptResponse().fit(training, concept_of)
-    of_training, of_test = response.transform(training), response.transform(test)
-    farthest = np.nanmax(of_training, axis=0)
-    return tuple(np.where(np.isnan(rows), farthest, rows) for rows in (of_training, of_test))  # type: ignore[return-value]
+    return response.transform(training), response.transform(test)

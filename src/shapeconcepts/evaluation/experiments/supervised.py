@@ -16,15 +16,16 @@ from shapeconcepts.evaluation.experiments.concept_responses import (
     concept_responses,
     fit,
 )
+from shapeconcepts.evaluation.experiments.folds import stratified_folds
 from shapeconcepts.evaluation.experiments.unsupervised import by_label
 from shapeconcepts.evaluation.labelled_objects import LabelledObjects, Progress, run
 from shapeconcepts.evaluation.metrics import GroupingScores, grouping_scores
 from shapeconcepts.evaluation.results import Floats, SupervisedResult
-from shapeconcepts.evaluation.splits import Split, stratified_folds
+from shapeconcepts.evaluation.splits import Split
 from shapeconcepts.model import ShapeConceptModel
 
-NUMBERS = (5, 10, 15, 20, 25, 30, 36, 42, 48, 54, 60, 68, 76)
-SIZES = (2, 3, 4, 5, 6, 8)
+NUMBERS = (3, 5, 7, 9, 11, 13, 15, 18, 21, 24, 27, 30, 33, 36, 40, 45, 50, 56, 62, 68, 74)
+SIZES = (2, 3, 4, 6, 8)
 FOLDS = 5
 LEAST_COVERAGE = 0.75
 
@@ -66,7 +67,7 @@ def supervised_selection(
     n_jobs : int or None
     progress : Progress, optional
     numbers, sizes : sequence of int
-        To choose from. Numbers that half of a fold's objects cannot reach are left out.
+        To choose from. Numbers that are never reached are left out.
     random_state : int
         Seed of the folds.
     """
@@ -97,14 +98,15 @@ def supervised_selection(
     everything = Surfaces(*(np.concatenate(surfaces) for surfaces in zip(*by_split, strict=True)))
     chosen = choose(everything, numbers, sizes)
     purity, error, coverage = (_mean(surface) for surface in everything)
+    is_reached = ~np.isnan(everything.error).all(axis=(0, 2))
     at_chosen = (numbers.index(chosen[0]), list(sizes).index(chosen[1]))
     with_five = purity[numbers.index(5), 0] if 5 in numbers else np.nan
     return SupervisedResult(
-        numbers=np.array(numbers),
+        numbers=np.array(numbers)[is_reached],
         sizes=np.array(sizes),
-        purity=purity,
-        error=error,
-        coverage=coverage,
+        purity=purity[is_reached],
+        error=error[is_reached],
+        coverage=coverage[is_reached],
         chosen=chosen,
         chosen_purity=float(purity[at_chosen]),
         chosen_error=float(error[at_chosen]),
@@ -137,7 +139,7 @@ def fold_surfaces(
                 continue
             scores = grouping_scores(concept_of, labels[fitted])
             responses = concept_responses(model.stimuli_, stimuli, concept_of)
-            errors = svm_errors(responses[0], labels[fitted], responses[1], labels[left_out])
+            errors = svm_errors(responses[0], labels[fitted], responses[1], labels[left_out], "response")
             surfaces.purity[i, j] = scores.mean_purity
             surfaces.error[i, j] = np.mean(list(errors.values()))
             surfaces.coverage[i, j] = scores.coverage
@@ -167,7 +169,7 @@ def choose(surfaces: Surfaces, numbers: Sequence[int], sizes: Sequence[int]) -> 
     if not is_open.any():
         return numbers[0], sizes[0]
     best = np.unravel_index(np.where(is_open, error, np.inf).argmin(), error.shape)
-    of_best = surfaces.error[:, *best]
+    of_best = surfaces.error[:, best[0], best[1]]
     of_best = of_best[~np.isnan(of_best)]
     margin = of_best.std(ddof=1) / np.sqrt(len(of_best)) if len(of_best) > 1 else 0.0
     is_open &= error <= error[best] + margin
@@ -191,7 +193,7 @@ def _test(
         # The folds had that many concepts, the whole training part has not: as the model would choose.
         concept_of = concept_of_objects(model.concepts_, len(training))
     responses = concept_responses(model.stimuli_, model.stimuli([described[i] for i in test]), concept_of)
-    errors = svm_errors(responses[0], labels[training], responses[1], labels[test])
+    errors = svm_errors(responses[0], labels[training], responses[1], labels[test], "response")
     return TestPart(grouping_scores(concept_of, labels[training]), errors)
 
 

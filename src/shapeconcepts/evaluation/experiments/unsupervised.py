@@ -1,4 +1,4 @@
-"""Unsupervised concept selection: concepts at the time that the model chooses, and an SVM on them (table 1)."""
+"""Unsupervised concept selection: concepts at the time the model chooses, and an SVM on them (table 1)."""
 
 from __future__ import annotations
 
@@ -19,16 +19,17 @@ from shapeconcepts.evaluation.experiments.concept_responses import (
 )
 from shapeconcepts.evaluation.labelled_objects import LabelledObjects, Progress, run
 from shapeconcepts.evaluation.metrics import GroupingScores, grouping_scores, purity, rank_score
-from shapeconcepts.evaluation.results import ConceptBar, FiltrationResult, SelectionResult
+from shapeconcepts.evaluation.results import ClassificationRow, ConceptBar, FiltrationResult, SelectionResult
 from shapeconcepts.evaluation.splits import Split
 from shapeconcepts.model import ShapeConceptModel
 
 
 class Selection(NamedTuple):
-    """One repetition: scores of the training part, errors of the test part."""
+    """One repetition: scores of the training part, errors of the test part on responses and on stimuli."""
 
     scores: GroupingScores
     errors: dict[str, float]
+    stimuli_errors: dict[str, float]
     bars: list[ConceptBar]
     filtration: FiltrationResult | None
     unplaced: int
@@ -40,7 +41,7 @@ def unsupervised_selection(
     splits: Sequence[Split],
     n_jobs: int | None = None,
     progress: Progress | None = None,
-) -> SelectionResult:
+) -> tuple[SelectionResult, ClassificationRow]:
     """Learn from each training part without its labels, then score by them.
 
     Parameters
@@ -51,13 +52,19 @@ def unsupervised_selection(
         Indices, one pair a repetition.
     n_jobs : int or None
     progress : Progress, optional
+
+    Returns
+    -------
+    SelectionResult
+    ClassificationRow
+        Of an SVM on the stimuli themselves, which shows what the step to concepts costs.
     """
     described = objects.described[preset]
     tasks = [(described, objects.labels, split, preset, i == 0) for i, split in enumerate(splits)]
     selections = run(select, tasks, n_jobs, progress, f"Concepts, preset {preset}")
     first = selections[0]
     assert first.filtration is not None
-    return SelectionResult(
+    result = SelectionResult(
         preset=preset,
         scores=[one.scores for one in selections],
         errors=by_label([one.errors for one in selections]),
@@ -65,6 +72,8 @@ def unsupervised_selection(
         filtration=first.filtration,
         unplaced=first.unplaced,
     )
+    on_stimuli = by_label([one.stimuli_errors for one in selections])
+    return result, ClassificationRow(f"motif stimuli, {preset}", on_stimuli)
 
 
 def select(
@@ -79,12 +88,14 @@ def select(
     training, test = split
     model = fit([described[i] for i in training], preset, **parameters)
     concept_of = concept_of_objects(model.concepts_, len(training))
-    responses = concept_responses(model.stimuli_, model.stimuli([described[i] for i in test]), concept_of)
-    errors = svm_errors(responses[0], labels[training], responses[1], labels[test])
+    stimuli = model.stimuli([described[i] for i in test])
+    responses = concept_responses(model.stimuli_, stimuli, concept_of)
+    known, new = labels[training], labels[test]
     return Selection(
-        grouping_scores(concept_of, labels[training]),
-        errors,
-        _ranked_bars(model, labels[training]),
+        grouping_scores(concept_of, known),
+        svm_errors(responses[0], known, responses[1], new, "response"),
+        svm_errors(model.stimuli_, known, stimuli, new, "histogram"),
+        _ranked_bars(model, known),
         _filtration(model) if with_filtration else None,
         int((np.diff(model.stimuli_.indptr) == 0).sum()),
     )
@@ -127,7 +138,8 @@ def _concept_time(model: ShapeConceptModel) -> float | None:
     latest_birth = max((concept.birth for concept in model.concepts_), default=None)
     for time in (model.filtration_.epsilon_max, latest_birth):
         if time is not None and members == sorted(
-            concept.members.tolist() for concept in model.filtration_.concepts_at(time, model.min_concept_size)
+            concept.members.tolist()
+            for concept in model.filtration_.concepts_at(time, model.min_concept_size)
         ):
             return time
     return None
