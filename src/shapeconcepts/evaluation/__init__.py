@@ -1,1 +1,44 @@
-"""The paper's experiments, and strong baselines, on labelled scans."""
+"""How well groups and features agree with labels, beside what the usual methods reach on the same objects."""
+
+from shapeconcepts.evaluation.bag_of_words import TopicModel, point_histograms
+from shapeconcepts.evaluation.baselines import baseline_rows, grouping_baselines
+from shapeconcepts.evaluation.classification import svm_errors, svm_predictions
+from shapeconcepts.evaluation.ensemble_of_shape_functions import ensemble_of_shape_functions
+from shapeconcepts.evaluation.groupings import (
+    Grouping,
+    average_linkage,
+    hdbscan,
+    k_means,
+    most_groups,
+    tomato,
+)
+from shapeconcepts.evaluation.metrics import (
+    GroupingScores,
+    grouping_scores,
+    mean_error_over_labels,
+    purity,
+    rank_score,
+)
+from shapeconcepts.evaluation.splits import stratified_splits
+
+__all__ = [
+    "Grouping",
+    "GroupingScores",
+    "TopicModel",
+    "average_linkage",
+    "baseline_rows",
+    "ensemble_of_shape_functions",
+    "grouping_baselines",
+    "grouping_scores",
+    "hdbscan",
+    "k_means",
+    "mean_error_over_labels",
+    "most_groups",
+    "point_histograms",
+    "purity",
+    "rank_score",
+    "stratified_splits",
+    "svm_errors",
+    "svm_predictions",
+    "tomato",
+]
