@@ -16,12 +16,11 @@ from shapeconcepts.cli.labelled_input import (
     data_name,
     parse_renames,
     read_labelled,
+    renamed,
     segment_set,
-    simulated,
 )
-from shapeconcepts.cli.learn_command import user_cache
 from shapeconcepts.cli.model_input import one_thread, segmentation_parameters
-from shapeconcepts.cli.object_reader import ObjectReader
+from shapeconcepts.cli.object_reader import ObjectReader, simulated_objects, user_cache
 from shapeconcepts.cli.options import Jobs, Json, check_jobs
 from shapeconcepts.cli.terminal import (
     INTERRUPTED,
@@ -35,9 +34,10 @@ from shapeconcepts.cli.terminal import (
 )
 
 if TYPE_CHECKING:
+    from shapeconcepts.cli.object_reader import Source
     from shapeconcepts.evaluation.results import Evaluation
 
-_SIMULATED_PER_CATEGORY = 66
+SIMULATED = "simulated objects"
 
 
 def evaluate(
@@ -46,8 +46,8 @@ def evaluate(
         typer.Argument(
             metavar="DATA",
             show_default="66 simulated scans of each of seven categories",
-            help="Folders of labelled scans, which become one data set: a sub-folder for each label, scenes of "
-            "the Object Segmentation Database, or objects of the Washington RGB-D Object Dataset.",
+            help="Folders of labelled scans, which become one data set: a sub-folder for each label, scenes "
+            "of the Object Segmentation Database, or objects of the Washington RGB-D Object Dataset.",
         ),
     ] = None,
     also: Annotated[
@@ -91,7 +91,9 @@ def evaluate(
     repetitions: Annotated[
         int,
         typer.Option(
-            min=1, metavar="N", help="How often the scans are split anew into 75 % to learn from and 25 % to test."
+            min=1,
+            metavar="N",
+            help="How often the scans are split anew into 75 % to learn from and 25 % to test.",
         ),
     ] = 5,
     jobs: Jobs = -1,
@@ -113,8 +115,8 @@ def evaluate(
     classify whole-object histograms, on the same scans and splits. Nothing is learned from labels unless a
     table says so.
 
-    The same data gives the same figures each time. Scans that cannot be used are skipped and listed at the end.
-    The exit code is 0 if all was measured and written, 1 if not, and 2 if the command line is wrong.
+    The same data gives the same figures each time. Scans that cannot be used are skipped and listed at the
+    end. The exit code is 0 if all was measured and written, 1 if not, and 2 if the command line is wrong.
     """
     check_jobs(jobs)
     if report is not None:
@@ -163,10 +165,11 @@ def _evaluate(
 
     start = perf_counter()
     presets = [preset, *(other for other in PRESETS if other != preset)]
+    model = ShapeConceptModel.preset(preset)
     reader = ObjectReader(
         reading={},
-        segmentation=segmentation_parameters(ShapeConceptModel.preset(preset)),
-        descriptor=None,
+        segmentation=segmentation_parameters(model),
+        descriptor=model.descriptor,
         cache=None if no_cache else user_cache(),
         keep_segmented=True,
     )
@@ -198,17 +201,21 @@ def _data_sets(
     data: list[Path], also: list[Path], renames: dict[str, str], reader: ObjectReader, jobs: int
 ) -> list[SegmentedSet]:
     """What is learned from, and the other data sets."""
-    unused = set(renames)
-    sets = []
-    for paths in [data, *([path] for path in also)]:
-        if paths:
-            scans, skipped = read_labelled(paths)
-            labels = {str(scan.label) for scan in scans}
-            unused -= labels
-            renamed = [replace(scan, label=renames.get(str(scan.label), scan.label)) for scan in scans]
-            sets.append((data_name(paths), renamed, skipped))
-        else:
-            sets.append((SIMULATED, simulated(_SIMULATED_PER_CATEGORY), []))
+    sets: list[tuple[str, list[Source], list[tuple[str, str]]]] = []
+    labels: set[str] = set()
+    if not data:
+        sets.append((SIMULATED, [*simulated_objects()], []))
+    for paths in [*([data] if data else []), *([path] for path in also)]:
+        scans, skipped = read_labelled(paths)
+        labels |= {str(scan.label) for scan in scans}
+        name = data_name(paths)
+        if name in {other for other, _, _ in sets}:
+            name = " + ".join(map(str, paths))
+        sets.append((name, [*renamed(scans, renames)], skipped))
+    for old in renames:
+        if old not in labels:
+            found = ", ".join(sorted(labels)) or "none that was read from a folder"
+            raise typer.BadParameter(f"no scan has the label {old!r}; labels: {found}", param_hint="--rename")
     return [segment_set(*one, reader, jobs) for one in sets]
 
 

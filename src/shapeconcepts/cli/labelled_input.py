@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -9,14 +10,13 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from shapeconcepts.cli.object_reader import ObjectReader, SimulatedObject, read_objects
+from shapeconcepts.cli.object_reader import ObjectReader, read_objects
 from shapeconcepts.cli.terminal import busy, fail, progress, say
 
 if TYPE_CHECKING:
     from shapeconcepts.cli.object_reader import Source
+    from shapeconcepts.scan import Scan
     from shapeconcepts.segmentation import SegmentedObject
-
-SIMULATED = "simulated objects"
 
 
 @dataclass
@@ -38,14 +38,6 @@ def parse_renames(texts: Sequence[str]) -> dict[str, str]:
             raise typer.BadParameter(f"must be OLD=NEW, got {text!r}", param_hint="--rename")
         renames[old] = new
     return renames
-
-
-def simulated(n_per_category: int) -> tuple[str, list[Source]]:
-    """Name and objects of the simulated data set."""
-    from shapeconcepts.datasets import CATEGORIES
-
-    objects = [SimulatedObject(name, index) for name in CATEGORIES for index in range(n_per_category)]
-    return SIMULATED, [*objects]
 
 
 def segment_set(
@@ -71,16 +63,12 @@ def segment_set(
     return found
 
 
-def read_labelled(
-    paths: Sequence[Path], renames: Mapping[str, str]
-) -> tuple[list[Source], list[tuple[str, str]]]:
+def read_labelled(paths: Sequence[Path]) -> tuple[list[Scan], list[tuple[str, str]]]:
     """Labelled scans in folders, and the files that cannot be used; ends the command where there is none."""
-    import warnings
-
     from shapeconcepts.datasets import load_labelled
     from shapeconcepts.scan import ScanError
 
-    scans: list[Source] = []
+    scans: list[Scan] = []
     skipped: list[tuple[str, str]] = []
     for path in paths:
         try:
@@ -90,9 +78,14 @@ def read_labelled(
                 found = load_labelled(path)
         except ScanError as error:
             fail(str(error))
-        scans += [replace(scan, label=renames.get(str(scan.label), scan.label)) for scan in found]
+        scans += found
         skipped += [(str(path), str(error)) for error in found.skipped]
     return scans, skipped
+
+
+def renamed(scans: Sequence[Scan], renames: Mapping[str, str]) -> list[Scan]:
+    """Scans with their new labels."""
+    return [replace(scan, label=renames.get(str(scan.label), scan.label)) for scan in scans]
 
 
 def data_name(paths: Sequence[Path]) -> str:

@@ -12,7 +12,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
-from shapeconcepts.cli.terminal import fail
+from shapeconcepts.cli.terminal import fail, say
 
 if TYPE_CHECKING:
     from shapeconcepts.descriptors import DescribedObject, Descriptor
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
+SIMULATED_PER_CATEGORY = 66
 # A process is worth its start from so many scans on.
 _SCANS_WORTH_A_PROCESS = 16
 # Scans that are begun, for each process, before the first of them is asked for.
@@ -211,6 +212,24 @@ def _called(segmented: SegmentedObject, source: Source) -> SegmentedObject:
         return replace(segmented, name=source.name, label=source.label)
     stem = source.path.stem
     return replace(segmented, name=f"{stem}/{segmented.name}", label=scene_category(stem))
+
+
+def simulated_objects() -> list[ScanFile | SimulatedObject]:
+    """What commands take where the user gives no scans."""
+    from shapeconcepts.datasets import CATEGORIES
+
+    return [SimulatedObject(name, index) for name in CATEGORIES for index in range(SIMULATED_PER_CATEGORY)]
+
+
+def user_cache() -> SegmentCache | None:
+    """The user's cache; None, and a note, where there can be none."""
+    from shapeconcepts.segmentation.segment_cache import SegmentCache
+
+    try:
+        return SegmentCache.of_user()
+    except OSError as error:
+        say(f"Note: nothing is cached: {error}")
+        return None
 
 
 def useful_jobs(jobs: int, n_scans: int) -> int:
