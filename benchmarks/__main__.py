@@ -20,6 +20,7 @@ COMMANDS = (
     "fpfh_agreement.py",
     "growth.py",
     "discrimination.py",
+    "baselines.py",
     "stimuli_ablation.py --repeats 2",
     "motif_rigid_motion.py",
     "motif_speed.py",

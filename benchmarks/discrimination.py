@@ -18,14 +18,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.model_selection import StratifiedShuffleSplit
-from sklearn.svm import SVC
 
 from common import command, labelled_scans, print_table
 from shapeconcepts import DescribedObject, MotifHierarchyEnsemble, describe, segment
-from shapeconcepts.topology import jensen_shannon_divergences
+from shapeconcepts.evaluation import svm_predictions
 
 SETS = ("seven_shapes", "restaurant_views", "osd_learn", "simulated")
-C = 10.0
 
 Rows = Callable[[list[DescribedObject], list[DescribedObject]], tuple[object, object]]
 
@@ -38,13 +36,6 @@ def stimuli(ensemble: MotifHierarchyEnsemble) -> Rows:
     return lambda training, new: (ensemble.fit(training).stimuli_, ensemble.transform(new))
 
 
-def predictions(training: object, new: object, labels: NDArray[np.str_]) -> NDArray[np.str_]:
-    divergences = jensen_shannon_divergences(training)
-    scale = divergences.mean()
-    machine = SVC(kernel="precomputed", C=C).fit(np.exp(-divergences / scale), labels)
-    return machine.predict(np.exp(-jensen_shannon_divergences(new, training) / scale))
-
-
 def errors(
     objects: Sequence[DescribedObject], labels: NDArray[np.str_], rows: Rows, repeats: int
 ) -> tuple[list[float], Counter]:
@@ -52,9 +43,8 @@ def errors(
     result, confusions = [], Counter()
     splits = StratifiedShuffleSplit(repeats, test_size=0.25, random_state=0)
     for training, new in splits.split(labels, labels):
-        predicted = predictions(
-            *rows([objects[i] for i in training], [objects[i] for i in new]), labels[training]
-        )
+        training_rows, new_rows = rows([objects[i] for i in training], [objects[i] for i in new])
+        predicted = svm_predictions(training_rows, labels[training], new_rows, "histogram")
         wrong = predicted != labels[new]
         result.append(100 * np.mean([wrong[labels[new] == label].mean() for label in np.unique(labels)]))
         confusions.update(zip(labels[new][wrong].tolist(), predicted[wrong].tolist(), strict=True))

@@ -47,6 +47,9 @@ class Scan:
         Category of the object, for evaluation only. Learning never looks at it.
     point_labels : array-like of int, or of whole floats, of shape (n,), optional
         True surface part of each point, where the source holds it.
+    instance : str, optional
+        Which physical object the scan shows, where the source tells. An evaluation keeps all scans of an
+        instance on one side of a split. Learning never looks at it.
 
     Raises
     ------
@@ -59,6 +62,7 @@ class Scan:
     name: str = ""
     label: str | None = None
     point_labels: NDArray[np.int64] | None = None
+    instance: str | None = None
 
     def __post_init__(self) -> None:
         points = self._as_array("points", self.points, np.float64)

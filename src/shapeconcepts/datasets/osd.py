@@ -10,8 +10,9 @@ from os import PathLike
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from shapeconcepts.io.collection import ScanList, find_scan_files
+from shapeconcepts.io.collection import ScanList, existing_folder, find_scan_files
 from shapeconcepts.io.reader import read_scan
 from shapeconcepts.io.viewpoint import finite_rows
 from shapeconcepts.scan import Scan, ScanError
@@ -47,9 +48,7 @@ def load_osd(folder: str | PathLike[str]) -> ScanList:
     ScanError
         If a scene cannot be read or has no labels, or there is none.
     """
-    folder = Path(folder)
-    if not folder.is_dir():
-        raise ScanError(f"{folder}: there is no such folder")
+    folder = existing_folder(folder)
     scans = ScanList()
     for file in find_scan_files(folder):
         if file.path.suffix.lower() == ".pcd":
@@ -57,6 +56,14 @@ def load_osd(folder: str | PathLike[str]) -> ScanList:
     if not scans:
         raise ScanError(f"{folder}: holds no scene (.pcd) with labelled objects")
     return scans
+
+
+def is_labelled_scene(labels: NDArray[np.int64] | None) -> bool:
+    """Whether point labels number a table and the objects on it, as in the Object Segmentation Database."""
+    if labels is None:
+        return False
+    decades = np.unique(labels[labels > 0] // 10)
+    return len(decades) >= 2 and bool(decades[0] == 0 and decades[1] >= 2)
 
 
 def scene_objects(scene: Scan) -> list[Scan]:

@@ -130,27 +130,53 @@ def read_scans(source: Source, *, strict: bool = False, **options: Unpack[ReadOp
     ScanError
         If there is nothing to read, no file can be read, or with `strict` one cannot.
     """
+    return collect(iter_scans(find_scan_files(source), **options), strict=strict)
+
+
+def collect(results: Iterable[Scan | ScanError], *, strict: bool = False) -> ScanList:
+    """List the scans among results, and the errors as skipped; a ScanWarning tells of them.
+
+    Parameters
+    ----------
+    results : iterable of Scan or ScanError
+        One for each file, at least one.
+    strict : bool
+        Raise at the first error.
+
+    Raises
+    ------
+    ScanError
+        If no result is a scan, or with `strict` one is not.
+    """
     scans = ScanList()
-    files = find_scan_files(source)
-    for result in iter_scans(files, **options):
+    for result in results:
         if isinstance(result, Scan):
             scans.append(result)
         elif strict:
             raise result
         else:
             scans.skipped.append(result)
+    n_skipped = len(scans.skipped)
     if not scans:
-        others = f" (and {len(files) - 1} other files cannot be read either)" if len(files) > 1 else ""
+        others = f" (and {n_skipped - 1} other files cannot be read either)" if n_skipped > 1 else ""
         raise ScanError(f"{scans.skipped[0]}{others}")
     if scans.skipped:
         reasons = [str(error) for error in scans.skipped[:3]]
-        more = ["..."] if len(scans.skipped) > 3 else []
+        more = ["..."] if n_skipped > 3 else []
         warnings.warn(
-            f"{len(scans.skipped)} of {len(files)} scans are left out: " + "; ".join(reasons + more),
+            f"{n_skipped} of {n_skipped + len(scans)} scans are left out: " + "; ".join(reasons + more),
             ScanWarning,
-            stacklevel=2,
+            stacklevel=3,
         )
     return scans
+
+
+def existing_folder(folder: str | PathLike[str]) -> Path:
+    """The path of a folder; ScanError where there is none."""
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise ScanError(f"{folder}: there is no such folder")
+    return folder
 
 
 def _mask(file: ScanFile, mask: Mask | None) -> Mask | None:
@@ -164,7 +190,7 @@ def _mask(file: ScanFile, mask: Mask | None) -> Mask | None:
 
 def _files_below(folder: Path) -> list[ScanFile]:
     files = []
-    for path in sorted(_walk(folder), key=lambda path: _natural_order(path.relative_to(folder))):
+    for path in sorted(scan_paths(folder), key=lambda path: _natural_order(path.relative_to(folder))):
         inside = path.relative_to(folder)
         label = inside.parts[0] if len(inside.parts) > 1 else None
         files.append(ScanFile(path, inside.as_posix(), label, inside))
@@ -173,7 +199,12 @@ def _files_below(folder: Path) -> list[ScanFile]:
     return files
 
 
-def _walk(folder: Path) -> Iterator[Path]:
+def scan_paths(folder: Path) -> Iterator[Path]:
+    """Files below a folder with a known suffix, hidden ones left out, in no particular order.
+
+    ScanError if a folder cannot be listed.
+    """
+
     def fail(error: OSError) -> None:
         raise ScanError(f"{error.filename}: cannot be listed ({error.strerror})") from None
 

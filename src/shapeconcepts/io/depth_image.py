@@ -43,7 +43,7 @@ def read_depth_image(
 
     Points are in the camera frame (x right, y down, z forward), and the camera is the viewpoint.
     """
-    width, height = _size(data)
+    width, height = depth_image_size(data)
     if intrinsics is None:
         if (width, height) != KINECT_SIZE:
             raise ScanError(f"is {width} x {height} pixels; intrinsics are needed for all but 640 x 480")
@@ -62,8 +62,8 @@ def read_depth_image(
     return Cloud(np.column_stack([(columns - cx) / fx * z, (rows - cy) / fy * z, z]), np.zeros(3))
 
 
-def _size(data: bytes) -> tuple[int, int]:
-    """Width and height from the PNG header, before a library allocates them."""
+def depth_image_size(data: bytes) -> tuple[int, int]:
+    """Width and height from the PNG header, before a library allocates them; ScanError if there is none."""
     if len(data) < 33 or not data.startswith(b"\x89PNG\r\n\x1a\n") or data[12:16] != b"IHDR":
         raise ScanError("is not a PNG image")
     width, height, bits, colour = struct.unpack_from(">IIBB", data, 16)
