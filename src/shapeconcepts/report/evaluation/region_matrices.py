@@ -46,7 +46,7 @@ def _draw_matrix(values: Any, names: list[str], down: str, across: str) -> Figur
     with publication_style():
         n_rows, n_columns = shares.shape if shares.size else (0, 0)
         width = COLUMN_WIDTH if n_columns <= 8 else PAGE_WIDTH
-        figure = Figure(figsize=(width, min(max(0.6 + 0.3 * n_rows, 1.6), PAGE_WIDTH)))
+        figure = Figure(figsize=(width, min(max(0.6 + 0.3 * n_rows, 2.2), PAGE_WIDTH)))
         axes = figure.subplots()
         if not shares.size:
             say(axes, "no regions")

@@ -93,6 +93,7 @@ def sections(evaluation: Evaluation, figures: Mapping[str, Figure]) -> list[Sect
     return [one for one in made if any(one.parts)]
 
 
+_OUR_FEATURES = ("concept responses", "motif stimuli")
 _UNSUPERVISED = (
     "<p>The filtration is stopped without looking at a label, and what hangs together then is a concept. "
     "An SVM on the "
@@ -109,8 +110,8 @@ def _headline(evaluation: Evaluation) -> list[str]:
     note = "The paper’s column is of its own scans, ours of those named above."
     if evaluation.repetitions > 1:
         note = (
-            f"Median over {evaluation.repetitions} splits, and under it the smallest and the largest; errors are "
-            f"means, as in the paper. {note}"
+            f"Median over {evaluation.repetitions} splits, and under it the smallest and the largest; "
+            f"errors are means, as in the paper. {note}"
         )
     return [f"<p>{note}</p>", headline_table(evaluation)]
 
@@ -131,11 +132,11 @@ def _baselines(evaluation: Evaluation) -> list[str]:
         ]
     if evaluation.classifications:
         rows = [(f"concept responses, {one.preset}", one.errors) for one in evaluation.selections]
-        n_ours = len(rows)
         rows += [(row.representation, row.errors) for row in evaluation.classifications]
+        ours = [i for i, (name, _) in enumerate(rows) if name.startswith(_OUR_FEATURES)]
         parts += [
             "<h3>Classification error by what the SVM is given</h3>",
-            error_table(rows, ours=range(n_ours)),
+            error_table(rows, ours=ours),
         ]
     return parts
 
