@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from shapeconcepts.cli.object_reader import Source
     from shapeconcepts.evaluation.results import Evaluation
 
-SIMULATED = "simulated objects"
+SIMULATED = "simulated"
 
 
 def evaluate(
@@ -115,8 +115,8 @@ def evaluate(
     classify whole-object histograms, on the same scans and splits. Nothing is learned from labels unless a
     table says so.
 
-    The same data gives the same figures each time. Scans that cannot be used are skipped and listed at the
-    end. The exit code is 0 if all was measured and written, 1 if not, and 2 if the command line is wrong.
+    The same data gives the same figures each time. Scans that cannot be used are skipped and listed. The
+    exit code is 0 if all was measured and written, 1 if not, and 2 if the command line is wrong.
     """
     check_jobs(jobs)
     if report is not None:
@@ -139,7 +139,6 @@ def evaluate(
         typer.echo(json.dumps(plain_values(result), indent=2, allow_nan=False))
     else:
         print_evaluation(result)
-    say_skipped(result.skipped, result.n_objects + len(result.skipped))
     say(f"Measured in {sum(result.seconds.values()):.0f} s")
     for line in failures:
         say(line)
@@ -173,9 +172,10 @@ def _evaluate(
         cache=None if no_cache else user_cache(),
         keep_segmented=True,
     )
-    trained, *others = _data_sets(data, also, renames, reader, jobs)
+    trained, *others = sets = _data_sets(data, also, renames, reader, jobs)
     segmenting = perf_counter() - start
-    skipped = [*trained.skipped, *(scan for other in others for scan in other.skipped)]
+    skipped = [scan for one in sets for scan in one.skipped]
+    say_skipped(skipped, len(skipped) + sum(len(one.segmented) for one in sets))
     try:
         with warnings_said():
             result = evaluate(
@@ -191,7 +191,6 @@ def _evaluate(
                 progress=progress,
             )
     except ValueError as error:
-        say_skipped(skipped, len(skipped) + len(trained.segmented))
         fail(str(error))
     result.seconds["segmentation"] = segmenting
     return result, _write(result, report, figures)

@@ -21,6 +21,7 @@ from shapeconcepts.evaluation.splits import Split
 # Cells along each side of the map.
 CELLS = 60
 NEAREST_SHARE = 0.05
+_MARGIN = 0.03
 _PERPLEXITY = 30.0
 
 
@@ -141,8 +142,9 @@ def _map(
 
 
 def _cell_centres(positions: Floats) -> Floats:
-    """Centres of equal cells that cover the positions along an axis."""
-    low, high = positions.min(), positions.max()
+    """Centres of equal cells that cover the positions along an axis, and a little more."""
+    margin = _MARGIN * np.ptp(positions)
+    low, high = positions.min() - margin, positions.max() + margin
     edges = np.linspace(low, high, CELLS + 1)
     return (edges[:-1] + edges[1:]) / 2
 

@@ -49,10 +49,8 @@ def captions(evaluation: Evaluation) -> dict[str, tuple[str, str]]:
     made["purity"] = (
         "Purity by number and minimum size of concepts",
         "Mean purity of the concepts where the filtration is stopped at that many concepts of at least "
-        "that size; "
-        "mean over the folds of cross-validation. Bright is pure. Hatched: the filtration never has so "
-        "many. The frame "
-        "marks the choice of the first split.",
+        "that size; mean over the folds of cross-validation of all splits. Bright is pure. Hatched: the "
+        "filtration never has so many. The frame marks the choice that cross-validation makes.",
     )
     made["error"] = (
         "Error by number and minimum size of concepts",
