@@ -48,9 +48,9 @@ def draw_annexation_curve(filtration: FiltrationResult) -> Figure:
         changes = np.concatenate([[0.0], filtration.times, [1.0]])
         concepts.stairs(np.concatenate([[0], filtration.n_concepts]), changes, baseline=None, color=INK)
         stops = (filtration.epsilon_max, filtration.concept_time)
-        for time, (colour, dashes) in zip(stops, STOP_LINES, strict=True):
+        for time, (colour, dashes, order) in zip(stops, STOP_LINES, strict=True):
             if time is not None:
-                concepts.axvline(time, color=colour, linewidth=1, linestyle=dashes)
+                concepts.axvline(time, color=colour, linewidth=1, linestyle=dashes, zorder=order)
         concepts.set_ylabel("concepts")
         concepts.set_xlabel("filtration time")
         concepts.set_xlim(0, 1)

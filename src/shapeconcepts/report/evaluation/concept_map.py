@@ -66,6 +66,7 @@ def draw_concept_map(map_: MapResult, colours: Mapping[str, tuple[float, float, 
                 s=15,
                 linewidths=0.5,
                 edgecolors=INK,
+                clip_on=False,
             )
         axes.set_xticks([])
         axes.set_yticks([])

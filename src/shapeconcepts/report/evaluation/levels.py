@@ -63,7 +63,7 @@ def draw_levels(levels: LevelsResult) -> Figure:
             keys.append((handle.lines[0], name))
         axes.set_xticks(x, [str(level) for level in levels.levels])
         axes.set_xlabel("dictionary levels n")
-        axes.set_ylim(0, 1.03)
+        axes.set_ylim(-0.03, 1.03)
         axes.yaxis.set_major_formatter(lambda share, _: f"{100 * share:.0f} %")
         axes.grid(axis="y")
         add_key(figure, keys)

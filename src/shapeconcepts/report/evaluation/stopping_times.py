@@ -11,8 +11,8 @@ from shapeconcepts.report.evaluation.style import OURS, PAPERS
 if TYPE_CHECKING:
     from shapeconcepts.evaluation.results import FiltrationResult
 
-# Colour and dashes of the paper's time and of ours.
-STOP_LINES = ((PAPERS, "--"), (OURS, "-"))
+# Colour, dashes and order of the paper's time and of ours: where both are the same, both are seen.
+STOP_LINES = ((PAPERS, "--", 4), (OURS, "-", 3))
 _NEAR = 0.45  # so little apart, names in the middle over their lines might meet
 
 
@@ -23,12 +23,12 @@ def mark_stopping_times(axes: Axes, filtration: FiltrationResult) -> None:
     if papers is not None and ours is not None and abs(papers - ours) < _NEAR:
         # The left line has its name to the left and the right one to the right, so that they do not meet.
         sides = ("right", "left") if papers <= ours else ("left", "right")
-    for name, time, (colour, dashes), side in zip(
+    for name, time, (colour, dashes, order), side in zip(
         (r"$\epsilon_{max}$", "ours"), (papers, ours), STOP_LINES, sides, strict=True
     ):
         if time is None:
             continue
-        axes.axvline(time, color=colour, linewidth=1, linestyle=dashes)
+        axes.axvline(time, color=colour, linewidth=1, linestyle=dashes, zorder=order)
         axes.annotate(
             f"{name} = {time:.2f}",
             (time, 1),
