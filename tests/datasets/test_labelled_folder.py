@@ -31,6 +31,19 @@ def test_scenes(tmp_path):
     assert [str(error) for error in scans.skipped] == ["learn20/2: has no label", "learn20/3: has no label"]
 
 
+def test_scenes_as_published(tmp_path):
+    write(tmp_path, "learn/learn0.pcd", "learn/learn17.pcd", "test/test31.pcd", scan=SCENE)
+    (tmp_path / "README.md").write_text("about the data")
+    scans = load_labelled(tmp_path)
+    assert labels(scans) == {"learn0/2": "box", "learn0/3": "box", "test31/2": "can", "test31/3": "can"}
+    assert len(scans.skipped) == 2
+
+
+def test_scans_of_one_object_that_are_named_like_scenes(tmp_path):
+    write(tmp_path, "mug/test0.pcd", "bowl/test1.pcd")
+    assert labels(load_labelled(tmp_path)) == {"mug/test0.pcd": "mug", "bowl/test1.pcd": "bowl"}
+
+
 def test_scenes_without_a_category(tmp_path):
     write(tmp_path, "learn20.pcd", scan=SCENE)
     with pytest.raises(ScanError, match=f"^{tmp_path}: holds no labelled scans"):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from washington_files import write_cloud, write_crop
 
 from shapeconcepts.datasets import PAPER_CATEGORIES, load_washington
-from shapeconcepts.io import ScanWarning
+from shapeconcepts.io import ScanWarning, read_scan
 from shapeconcepts.scan import ScanError
 
 DEPTH = np.array([[0, 700, 701], [702, 0, 703]])
@@ -36,6 +36,13 @@ def test_first_frames_of_the_first_video(tmp_path):
     assert scans.skipped == []
     np.testing.assert_allclose(scans[0].points, [[0.01 * i, 0.02 * i, 0.8] for i in range(5)], rtol=1e-6)
     np.testing.assert_array_equal(scans[0].viewpoint, [0, 0, 0])
+
+
+def test_the_camera_is_at_the_origin_even_of_a_cloud_that_does_not_look_like_it(tmp_path):
+    path = write_cloud(tmp_path, "ball", 1, 1, 1, depth=0.1)
+    assert read_scan(path).viewpoint is None
+    [scan] = load_washington(tmp_path)
+    np.testing.assert_array_equal(scan.viewpoint, [0, 0, 0])
 
 
 def test_other_video_and_number(tmp_path):

@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 
 from shapeconcepts.datasets.oscd import is_oscd, is_split_folder, load_oscd
-from shapeconcepts.datasets.osd import is_labelled_scene, load_osd
+from shapeconcepts.datasets.osd import is_labelled_scene, is_scene_name, load_osd
 from shapeconcepts.datasets.washington import is_washington, load_washington
 from shapeconcepts.io.collection import (
     ScanFile,
@@ -24,8 +24,9 @@ from shapeconcepts.scan import ScanError
 def load_labelled(folder: str | PathLike[str]) -> ScanList:
     """Read the labelled scans in a folder, whichever data set it holds.
 
-    * PCD files directly in the folder that are labelled scenes: `load_osd`.
     * Files named and placed like ``apple_1/apple_1_1_1.pcd``: `load_washington`.
+    * PCD files that are labelled scenes, directly in the folder or named like ``learn/learn0.pcd``:
+      `load_osd`.
     * PCD files in folders named after the paper's categories: `load_oscd`.
     * Any other folder of category folders: all files that `read_scan` reads, labelled by their outermost
       folder; if all of them lie in folders such as ``training`` and ``testing``, by the outermost other one.
@@ -54,11 +55,11 @@ def load_labelled(folder: str | PathLike[str]) -> ScanList:
 
 
 def _load(folder: Path) -> ScanList:
-    if _holds_scenes(folder):
-        return load_osd(folder)
     if is_washington(folder):
         return load_washington(folder)
     files = find_scan_files(folder)
+    if _are_scenes(files):
+        return load_osd(folder)
     if is_oscd(files):
         return load_oscd(folder)
     files = _labelled_by_folder(files)
@@ -67,12 +68,13 @@ def _load(folder: Path) -> ScanList:
     return collect(iter_scans(files))
 
 
-def _holds_scenes(folder: Path) -> bool:
-    """Whether the first PCD file directly in a folder that can be read is a labelled scene."""
-    for path in sorted(folder.glob("*")):
-        if path.suffix.lower() == ".pcd" and not path.name.startswith("."):
+def _are_scenes(files: Sequence[ScanFile]) -> bool:
+    """Whether the first file that can be a scene of the data set, and can be read, is a labelled scene."""
+    for file in files:
+        in_place = len(file.inside.parts) == 1 or is_scene_name(file.path.stem)
+        if in_place and file.path.suffix.lower() == ".pcd":
             try:
-                return is_labelled_scene(read_scan(path).point_labels)
+                return is_labelled_scene(read_scan(file.path).point_labels)
             except ScanError:
                 continue
     return False

@@ -24,6 +24,8 @@ CATEGORIES = {
 }
 FIRST_OBJECT_LABEL = 20
 
+_SCENE_NAME = re.compile(r"(learn|test)(\d{1,9})")
+
 
 def load_osd(folder: str | PathLike[str]) -> ScanList:
     """Cut the objects out of the labelled scenes in a folder.
@@ -34,7 +36,7 @@ def load_osd(folder: str | PathLike[str]) -> ScanList:
     Parameters
     ----------
     folder : path
-        Folder with scenes such as ``learn33.pcd``.
+        Folder with scenes such as ``learn33.pcd`` or ``learn/learn33.pcd``.
 
     Returns
     -------
@@ -93,9 +95,14 @@ def scene_objects(scene: Scan) -> list[Scan]:
     ]
 
 
+def is_scene_name(stem: str) -> bool:
+    """Whether a file's name without suffix is that of a scene, such as "learn33"."""
+    return _SCENE_NAME.fullmatch(stem) is not None
+
+
 def scene_category(stem: str) -> str | None:
     """Category of a scene's objects by its file's name: "learn33" gives "can"; None where it says nothing."""
-    match = re.fullmatch(r"(learn|test)(\d{1,9})", stem)
+    match = _SCENE_NAME.fullmatch(stem)
     if match is None:
         return None
     part, number = match[1], int(match[2])
