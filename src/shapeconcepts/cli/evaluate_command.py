@@ -115,8 +115,9 @@ def evaluate(
     classify whole-object histograms, on the same scans and splits. Nothing is learned from labels unless a
     table says so.
 
-    The same data gives the same figures each time. Scans that cannot be used are skipped and listed. The
-    exit code is 0 if all was measured and written, 1 if not, and 2 if the command line is wrong.
+    About 460 scans take 2 to 4 minutes on two cores. The same data gives the same figures each time. Scans
+    that cannot be used are skipped and listed. The exit code is 0 if all was measured and written, 1 if not,
+    and 2 if the command line is wrong.
     """
     check_jobs(jobs)
     if report is not None:
