@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 import shapeconcepts
-from shapeconcepts.cli import app, learn_command
+from shapeconcepts.cli import app, object_reader
 from shapeconcepts.cli.object_reader import useful_jobs
 from shapeconcepts.datasets.osd import is_labelled_scene
 from shapeconcepts.io.write_pcd import write_pcd
@@ -131,7 +131,7 @@ def test_parameters_reach_the_model(scans: Path, tmp_path: Path) -> None:
 
 
 def test_without_data_it_learns_from_simulated_scans(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(learn_command, "_SIMULATED_PER_CATEGORY", 3)
+    monkeypatch.setattr(object_reader, "SIMULATED_PER_CATEGORY", 3)
     result = run("learn", "--model", tmp_path / "m.safetensors", "--json", "--jobs", 1)
     assert result.exit_code == 0, result.stderr
     model = shapeconcepts.load_model(tmp_path / "m.safetensors")

@@ -9,6 +9,7 @@ import typer
 from typer.core import TyperGroup
 
 from shapeconcepts import __version__
+from shapeconcepts.cli.evaluate_command import evaluate
 from shapeconcepts.cli.explain_command import explain
 from shapeconcepts.cli.info_command import info
 from shapeconcepts.cli.learn_command import learn
@@ -67,6 +68,15 @@ app.command(
         "shapeconcepts explain m.safetensors learn33.pcd --object 3"
     )
 )(explain)
+app.command(
+    epilog=(
+        "Examples:\n\n"
+        "shapeconcepts evaluate --report evaluation.html\n\n"
+        "shapeconcepts evaluate scans/ --report evaluation.html --figures figures/\n\n"
+        "shapeconcepts evaluate --also osd_learn/ --also restaurant/ --rename cocacola=can\n\n"
+        "shapeconcepts evaluate scans/ --json > evaluation.json"
+    )
+)(evaluate)
 app.command(
     epilog=(
         "Examples:\n\n"

@@ -10,7 +10,13 @@ import typer
 
 from shapeconcepts.cli.concept_summary import in_words, model_summary, print_concepts
 from shapeconcepts.cli.model_input import one_thread, segmentation_parameters
-from shapeconcepts.cli.object_reader import ObjectReader, SimulatedObject, read_objects
+from shapeconcepts.cli.object_reader import (
+    ObjectReader,
+    SimulatedObject,
+    read_objects,
+    simulated_objects,
+    user_cache,
+)
 from shapeconcepts.cli.options import (
     DepthScale,
     Intrinsics,
@@ -40,9 +46,6 @@ if TYPE_CHECKING:
     from shapeconcepts.io.collection import ScanFile
     from shapeconcepts.model import ShapeConceptModel
     from shapeconcepts.report.html import ScanPreview
-    from shapeconcepts.segmentation.segment_cache import SegmentCache
-
-_SIMULATED_PER_CATEGORY = 66
 
 
 class _Collection(NamedTuple):
@@ -132,7 +135,7 @@ def learn(
         if report.resolve() == model.resolve():
             raise typer.BadParameter("must be another file than --model", param_hint="--report")
     reading = read_options(intrinsics, depth_scale, mask)
-    sources: list[ScanFile | SimulatedObject] = [*scan_files(data, mask)] if data else _simulated()
+    sources: list[ScanFile | SimulatedObject] = [*scan_files(data, mask)] if data else simulated_objects()
     given = {
         "min_concept_size": min_size,
         "descriptor": descriptor,
@@ -146,7 +149,7 @@ def learn(
             segmentation=segmentation_parameters(learner),
             descriptor=learner.descriptor,
             scenes=scenes,
-            cache=None if no_cache else _cache(),
+            cache=None if no_cache else user_cache(),
             make_preview=report is not None,
         )
         with one_thread():
@@ -174,26 +177,10 @@ def learn(
         raise typer.Exit(1)
 
 
-def _simulated() -> list[ScanFile | SimulatedObject]:
-    from shapeconcepts.datasets import CATEGORIES
-
-    return [SimulatedObject(name, index) for name in CATEGORIES for index in range(_SIMULATED_PER_CATEGORY)]
-
-
 def _learner(preset: str, parameters: dict[str, Any]) -> ShapeConceptModel:
     from shapeconcepts.model import ShapeConceptModel
 
     return ShapeConceptModel.preset(preset, **parameters)
-
-
-def _cache() -> SegmentCache | None:
-    from shapeconcepts.segmentation.segment_cache import SegmentCache
-
-    try:
-        return SegmentCache.of_user()
-    except OSError as error:
-        say(f"Note: nothing is cached: {error}")
-        return None
 
 
 def _collect(

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from itertools import islice
 from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
 
-from shapeconcepts.cli.terminal import fail
+from shapeconcepts.cli.terminal import fail, say
 
 if TYPE_CHECKING:
     from shapeconcepts.descriptors import DescribedObject, Descriptor
@@ -22,9 +22,12 @@ if TYPE_CHECKING:
     from shapeconcepts.segmentation.segment_cache import SegmentCache
     from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
+    Source: TypeAlias = "ScanFile | SimulatedObject | Scan"
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
+SIMULATED_PER_CATEGORY = 66
 # A process is worth its start from so many scans on.
 _SCANS_WORTH_A_PROCESS = 16
 # Scans that are begun, for each process, before the first of them is asked for.
@@ -62,7 +65,7 @@ class ReadObject(NamedTuple):
 
 @dataclass(frozen=True)
 class ObjectReader:
-    """Turns a file into the objects in it: one, or several where it is a labelled scene.
+    """Turns a file into the objects in it: one, or several where it is a labelled scene. Takes scans too.
 
     Attributes
     ----------
@@ -85,7 +88,7 @@ class ObjectReader:
     keep_segmented: bool = False
     make_preview: bool = False
 
-    def __call__(self, source: ScanFile | SimulatedObject) -> list[ReadObject]:
+    def __call__(self, source: Source) -> list[ReadObject]:
         """Objects of a source; never raises for what is wrong with a scan."""
         from shapeconcepts.scan import ScanError
 
@@ -103,12 +106,14 @@ class ObjectReader:
         finished = [one if one.segmented is None else self._finish(one.segmented) for one in results]
         return [one._replace(cache_failure=failure) for one in finished]
 
-    def _scans(self, source: ScanFile | SimulatedObject) -> list[Scan]:
+    def _scans(self, source: Source) -> list[Scan]:
         from shapeconcepts.datasets import simulate_scan
         from shapeconcepts.datasets.osd import is_labelled_scene, scene_objects
         from shapeconcepts.io.collection import iter_scans
-        from shapeconcepts.scan import ScanError
+        from shapeconcepts.scan import Scan, ScanError
 
+        if isinstance(source, Scan):
+            return [source]
         if isinstance(source, SimulatedObject):
             return [simulate_scan(source.category, source.index)]
         [scan] = iter_scans([source], **self.reading)
@@ -152,7 +157,7 @@ class ObjectReader:
             preview,
         )
 
-    def _keep(self, key: str | None, results: list[ReadObject], source: ScanFile | SimulatedObject) -> str:
+    def _keep(self, key: str | None, results: list[ReadObject], source: Source) -> str:
         """Put a source's objects into the cache; why that is not possible, or nothing."""
         segmented = [one.segmented for one in results if one.segmented is not None]
         # What cannot be segmented is not kept: it costs little to find that out again.
@@ -164,10 +169,17 @@ class ObjectReader:
             return f"{self.cache.folder}: {error.strerror or error}"
         return ""
 
-    def _key(self, source: ScanFile | SimulatedObject) -> str | None:
+    def _key(self, source: Source) -> str | None:
         """Name of a source's entry in the cache; None where it cannot be read."""
+        from shapeconcepts.scan import Scan
+
         if self.cache is None:
             return None
+        if isinstance(source, Scan):
+            viewpoint = None if source.viewpoint is None else source.viewpoint.tolist()
+            return self.cache.key(
+                source.points.tobytes(), ("scan", viewpoint, sorted(self.segmentation.items()))
+            )
         if isinstance(source, SimulatedObject):
             return self.cache.key(b"", (source, sorted(self.segmentation.items())))
         try:
@@ -185,20 +197,39 @@ class ObjectReader:
         return self.cache.key(content, parameters)
 
 
-def _uncalled(segmented: SegmentedObject, source: ScanFile | SimulatedObject) -> SegmentedObject:
+def _uncalled(segmented: SegmentedObject, source: Source) -> SegmentedObject:
     """Without what depends on the place of the file; of an object of a scene its number stays."""
     number = "" if segmented.name == source.name else segmented.name.rpartition("/")[2]
     return replace(segmented, name=number, label=None)
 
 
-def _called(segmented: SegmentedObject, source: ScanFile | SimulatedObject) -> SegmentedObject:
+def _called(segmented: SegmentedObject, source: Source) -> SegmentedObject:
     """An object of the cache as it is called now: the file may have been moved."""
     from shapeconcepts.datasets.osd import scene_category
+    from shapeconcepts.io.collection import ScanFile
 
-    if segmented.name == "" or isinstance(source, SimulatedObject):
+    if segmented.name == "" or not isinstance(source, ScanFile):
         return replace(segmented, name=source.name, label=source.label)
     stem = source.path.stem
     return replace(segmented, name=f"{stem}/{segmented.name}", label=scene_category(stem))
+
+
+def simulated_objects() -> list[ScanFile | SimulatedObject]:
+    """What commands take where the user gives no scans."""
+    from shapeconcepts.datasets import CATEGORIES
+
+    return [SimulatedObject(name, index) for name in CATEGORIES for index in range(SIMULATED_PER_CATEGORY)]
+
+
+def user_cache() -> SegmentCache | None:
+    """The user's cache; None, and a note, where there can be none."""
+    from shapeconcepts.segmentation.segment_cache import SegmentCache
+
+    try:
+        return SegmentCache.of_user()
+    except OSError as error:
+        say(f"Note: nothing is cached: {error}")
+        return None
 
 
 def useful_jobs(jobs: int, n_scans: int) -> int:
@@ -211,7 +242,7 @@ def useful_jobs(jobs: int, n_scans: int) -> int:
 
 
 def read_objects(
-    sources: Sequence[ScanFile | SimulatedObject], reader: ObjectReader, jobs: int, *, strict: bool = False
+    sources: Sequence[Source], reader: ObjectReader, jobs: int, *, strict: bool = False
 ) -> Iterator[list[ReadObject]]:
     """Objects of each source, in order.
 
@@ -219,7 +250,7 @@ def read_objects(
     """
     failed = False
 
-    def wanted() -> Iterator[ScanFile | SimulatedObject]:
+    def wanted() -> Iterator[Source]:
         for source in sources:
             if strict and failed:
                 return

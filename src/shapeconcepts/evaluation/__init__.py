@@ -1,9 +1,13 @@
-"""How well groups and features agree with labels, beside what the usual methods reach on the same objects."""
+"""How well groups and features agree with labels, beside what the usual methods reach on the same objects.
+
+`evaluate` runs the paper's experiments and all baselines; the parts can be used alone.
+"""
 
 from shapeconcepts.evaluation.bag_of_words import TopicModel, point_histograms
 from shapeconcepts.evaluation.baselines import baseline_rows, grouping_baselines
 from shapeconcepts.evaluation.classification import svm_errors, svm_predictions
 from shapeconcepts.evaluation.ensemble_of_shape_functions import ensemble_of_shape_functions
+from shapeconcepts.evaluation.evaluate import evaluate
 from shapeconcepts.evaluation.groupings import (
     Grouping,
     average_linkage,
@@ -19,15 +23,20 @@ from shapeconcepts.evaluation.metrics import (
     purity,
     rank_score,
 )
+from shapeconcepts.evaluation.paper import PAPER
+from shapeconcepts.evaluation.results import Evaluation
 from shapeconcepts.evaluation.splits import stratified_splits
 
 __all__ = [
+    "PAPER",
+    "Evaluation",
     "Grouping",
     "GroupingScores",
     "TopicModel",
     "average_linkage",
     "baseline_rows",
     "ensemble_of_shape_functions",
+    "evaluate",
     "grouping_baselines",
     "grouping_scores",
     "hdbscan",

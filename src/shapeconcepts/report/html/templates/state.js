@@ -10,7 +10,8 @@ const nScans = scans.names.length;
 // Numbers say what colours cannot where there are more concepts than colours.
 const CONCEPT_COLOURS = ["#332288", "#cc6677", "#117733", "#ddaa33", "#88ccee", "#882255", "#44aa99", "#999933", "#aa4499", "#3f78c9"];
 const LABEL_COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#554400", "#bbcc66",
-  "#ee1155", "#112299", "#ffbb99", "#990088", "#662222", "#88ccb0", "#7700cc", "#7f8794"];
+  "#ee1155", "#112299", "#ffbb99", "#990088", "#662222", "#88ccb0", "#7700cc", "#7f8794",
+  "#660044", "#aa66ff", "#99ddee", "#0000ff", "#dddd55", "#884466", "#007733", "#ff2244"];
 const NONE_COLOUR = "#b9bcc4", INK = "#1d2433", FAINT = "#d9dade", ACCENT = "#c2410c";
 const conceptColour = (rank) => (rank < 0 ? NONE_COLOUR : CONCEPT_COLOURS[rank % CONCEPT_COLOURS.length]);
 const labelColour = (label) => (label < 0 ? NONE_COLOUR : LABEL_COLOURS[label % LABEL_COLOURS.length]);
