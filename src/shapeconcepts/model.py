@@ -79,7 +79,7 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         n_levels: int = 4,
         word_metric: str = "hellinger",
         columns: str = "prototypes",
-        n_neighbours: int = 20,
+        n_neighbours: int | None = None,
         bandwidth: float = 0.1,
         leave_own_out: bool = True,
         min_support: int = 2,

@@ -57,7 +57,10 @@ _CHECKS: dict[str, Check] = {
     "radius": _POSITIVE,
     "scale": _choice(SCALES),
     "columns": _choice(COLUMNS),
-    "n_neighbours": _whole(1),
+    "n_neighbours": (
+        lambda value: value is None or _whole(1)[0](value),
+        "null or a whole number of at least 1",
+    ),
     "heat": _choice(HEATS),
     "stop": _choice(STOPS),
     "distance": _choice(DISTANCES),

@@ -51,8 +51,9 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
     columns : {"prototypes", "motifs"}
         What a column of the stimuli stands for: one prototype, see `PrototypeField`; or a motif vertex with
         the mean over its prototypes (the paper's equation 1).
-    n_neighbours : int
-        For "prototypes": the bandwidth around a prototype follows the divergence to its n-th neighbour.
+    n_neighbours : int or None
+        For "prototypes": the bandwidth around a prototype follows the divergence to its n-th neighbour. None:
+        the square root of the number of prototypes.
     bandwidth : float
         For "motifs": sigma of equation 1, in bits of Jensen-Shannon divergence.
     leave_own_out : bool
@@ -78,7 +79,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
     """
 
     _training_stimuli: csr_matrix | None
-    _stimuli_parameters: tuple[float, bool, int]
+    _stimuli_parameters: tuple[float, bool, int | None]
     _prototype_field: PrototypeField | None
 
     def __init__(
@@ -86,7 +87,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         dictionary: SegmentDictionary | None = None,
         descriptor: str | Descriptor = "surflet+fpfh",
         columns: str = "prototypes",
-        n_neighbours: int = 20,
+        n_neighbours: int | None = None,
         bandwidth: float = 0.1,
         leave_own_out: bool = True,
         min_support: int = 2,
@@ -295,13 +296,15 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         return sparse_rows(rows, len(self.columns_))
 
     def _field(self) -> PrototypeField:
-        if self._prototype_field is None or self._prototype_field.n_neighbours != self.n_neighbours:
-            self._prototype_field = PrototypeField.of(self.hierarchies_, self.n_neighbours)
+        n_neighbours = self.n_neighbours or max(1, round(len(self.hierarchies_.prototypes) ** 0.5))
+        if self._prototype_field is None or self._prototype_field.n_neighbours != n_neighbours:
+            self._prototype_field = PrototypeField.of(self.hierarchies_, n_neighbours)
         return self._prototype_field
 
     def _check_parameters(self) -> None:
         check_choice("columns", self.columns, COLUMNS)
-        check_integer("n_neighbours", self.n_neighbours, 1)
+        if self.n_neighbours is not None:
+            check_integer("n_neighbours", self.n_neighbours, 1)
         if (
             isinstance(self.bandwidth, bool)
             or not isinstance(self.bandwidth, Real)
