@@ -165,6 +165,8 @@ def _print(
     shown = f", the strongest {len(rows)}" if len(rows) < count else ""
     if explanation.columns == "motifs":
         typer.echo(f"{count} motif{'s' if count > 1 else ''} fired{shown}:")
+    elif explanation.n_constellations == 1:
+        typer.echo("Its only surface reminds of training scans:")
     else:
         typer.echo(
             f"{count} of its {explanation.n_constellations} combinations of surfaces "
