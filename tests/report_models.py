@@ -40,9 +40,12 @@ def model_of(
     labels: Sequence[str | None] | None = None,
     names: Sequence[str] | None = None,
     skipped: dict[int, str] | None = None,
+    *,
+    heat: str = "separation",
+    stop: str = "lifetime",
 ) -> ShapeConceptModel:
     """A model whose training scans have these stimuli."""
-    model = ShapeConceptModel()
+    model = ShapeConceptModel(heat=heat, stop=stop)
     n = len(stimuli)
     model.stimuli_ = csr_matrix(stimuli)
     model.skipped_ = skipped or {}
@@ -50,7 +53,7 @@ def model_of(
     model.scan_labels_ = list(labels) if labels is not None else [None] * n
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        model.filtration_ = Filtration().fit(model.stimuli_)
+        model.filtration_ = Filtration(heat=heat, stop=stop).fit(model.stimuli_)
     model.concepts_ = model.filtration_.concepts_
     model.labels_ = model.filtration_.labels_
     return model

@@ -241,6 +241,12 @@ def test_explain(folder: Path) -> None:
     text = run("explain", folder / "m.safetensors", scan).stdout
     assert text.startswith(f"{scan}: ")
     assert truth.closest[0].object_name in text
+    assert "\nIts only surface reminds of training scans:" in text
+    box = folder / "new" / "box" / "box_0.pcd"
+    explanation = model.explain(shapeconcepts.read_scan(box))
+    assert explanation.n_constellations > 1
+    text = run("explain", folder / "m.safetensors", box).stdout
+    assert f"\n{len(explanation.motifs)} of its {explanation.n_constellations} combinations of " in text
 
 
 def test_explanation_as_a_picture(folder: Path, tmp_path: Path) -> None:
@@ -283,7 +289,7 @@ def test_info(folder: Path) -> None:
     model = shapeconcepts.load_model(folder / "m.safetensors")
     result = run("info", folder / "m.safetensors")
     assert result.exit_code == 0
-    assert "24 scans" in result.stdout
+    assert "24 scans" in result.stdout and f"; {model.stimuli_.shape[1]} prototypes\n" in result.stdout
     assert "descriptor surflet" in result.stdout
     for concept in model.concepts_:
         assert model.scan_names_[concept.medoid] in result.stdout

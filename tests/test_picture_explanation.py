@@ -16,6 +16,7 @@ from shapeconcepts.motifs import (
     SimilarPrototype,
 )
 from shapeconcepts.report import draw_explanation
+from shapeconcepts.report.canvas import Canvas
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 VOXEL = 0.005
@@ -154,6 +155,39 @@ def test_nothing_fired_is_said() -> None:
             assert share_of(picture, box, GREY) == 1
         words = np.asarray(picture.crop((24 + THUMB + 16, TITLE, 600, TITLE + THUMB)))
         assert (words < 128).any()
+
+
+def words_of(explanation: Explanation, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What a picture says."""
+    said: list[str] = []
+    original = Canvas.text
+
+    def noted(self: Canvas, at: tuple[float, float], text: str, *rest: object, **options: object) -> float:
+        said.append(text)
+        return original(self, at, text, *rest, **options)
+
+    monkeypatch.setattr(Canvas, "text", noted)
+    draw_explanation(explanation, halves("mug"))
+    monkeypatch.undo()
+    return said
+
+
+def test_words_of_motifs_and_of_single_prototypes(monkeypatch: pytest.MonkeyPatch) -> None:
+    motifs = [fired((0,), 0.9, 2), fired((0,), 0.8, 1)]
+    said = words_of(explained(*motifs), monkeypatch)
+    assert "2 motifs fired, by 1 of its 3 constellations" in said
+    assert "dictionary level 2, motif level 1" in said and "also at dictionary level 1" in said
+
+    without_words = replace(fired((1,), 0.5), words=(), dictionary_level=0, name="d0", vertex=-1)
+    by_prototypes = replace(explained(fired((0, 1), 0.9, 2), without_words), columns="prototypes")
+    said = words_of(by_prototypes, monkeypatch)
+    assert "2 of its 3 constellations remind of training objects" in said
+    assert "shared at dictionary level 2" in said and "reminds of 9 prototypes" in said
+    assert "no words in common" in said
+    assert not any("fired" in text or "level 0" in text or text == "d0" for text in said)
+
+    said = words_of(replace(explained(), columns="prototypes"), monkeypatch)
+    assert "None of its constellations is near enough to one of the training objects." in said
 
 
 def test_a_real_explanation_with_long_and_empty_names() -> None:

@@ -49,7 +49,9 @@ def plane(n_segments: int, edges: list[tuple[int, int]], name: str) -> Segmented
     )
 
 
-def random_ensemble(seed: int, n_objects: int = 12) -> tuple[MotifHierarchyEnsemble, list[SegmentedObject]]:
+def random_ensemble(
+    seed: int, n_objects: int = 12, columns: str = "prototypes"
+) -> tuple[MotifHierarchyEnsemble, list[SegmentedObject]]:
     rng = np.random.default_rng(seed)
     objects = []
     for k in range(n_objects):
@@ -57,7 +59,7 @@ def random_ensemble(seed: int, n_objects: int = 12) -> tuple[MotifHierarchyEnsem
         edges = [pair for pair in combinations(range(n_segments), 2) if rng.random() < 0.6]
         objects.append(plane(n_segments, edges, f"object_{k}"))
     descriptor = Given({one.name: rng.dirichlet(np.ones(4), one.n_segments) for one in objects})
-    return MotifHierarchyEnsemble(SegmentDictionary(2), descriptor).fit(objects), objects
+    return MotifHierarchyEnsemble(SegmentDictionary(2), descriptor, columns).fit(objects), objects
 
 
 def slow_levels(one: SegmentedObject) -> list[set[frozenset[int]]]:
@@ -124,7 +126,7 @@ def test_links_and_steps_agree_with_the_definition(seed: int) -> None:
 
 
 def test_activated_vertices_come_first_and_the_rest_is_counted() -> None:
-    ensemble, objects = random_ensemble(3, 30)
+    ensemble, objects = random_ensemble(3, 30, columns="motifs")
     known = ensemble.hierarchies_
     for one in objects[:10]:
         excerpt = excerpt_of(ensemble, one, 2, 4)
@@ -252,3 +254,19 @@ def test_bad_parameters_are_named(level: int, n_vertices: int, message: str) -> 
     ensemble, objects = two_words()
     with pytest.raises(ValueError, match=message):
         draw_hierarchy(ensemble, objects["a"], level, n_vertices=n_vertices)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_stimuli_of_prototypes_are_shown_at_their_motifs(seed: int) -> None:
+    ensemble, objects = random_ensemble(seed)
+    assert ensemble.columns == "prototypes"
+    for one in objects[:4]:
+        explanation = ensemble.explain(one)
+        strongest = max(motif.stimulus for motif in explanation.motifs)
+        for level in (1, 2):
+            excerpt = excerpt_of(ensemble, one, level, 20)
+            assert excerpt.stimulus_of.keys() <= excerpt.activated
+            assert max(excerpt.stimulus_of.values()) == pytest.approx(strongest), "its own prototypes"
+            for motif in explanation.motifs:
+                if motif.dictionary_level == level:
+                    assert excerpt.stimulus_of[motif.vertex] >= motif.stimulus - 1e-12

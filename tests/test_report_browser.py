@@ -4,10 +4,12 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from report_models import HOSTILE, WITHOUT_CONCEPTS, ball, grouped_stimuli, hostile_model, model_of
 from shapeconcepts.report.html import preview, write_report
+from shapeconcepts.report.html.time_scale import TimeScale
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 QUIET = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"]
@@ -153,6 +155,59 @@ def test_time_can_be_pulled(browser, thousand):
     slider.fill("0")
     reader.settle()
     assert "1,000 classes" in said.inner_text()
+
+
+@pytest.mark.parametrize("heat", ["separation", "geodesic"])
+def test_the_slider_runs_along_the_axis(browser, tmp_path, heat):
+    rows, labels = grouped_stimuli(60, 4)
+    model = model_of(rows, labels, heat=heat)
+    write_report(tmp_path / "r.html", model, [None] * 60)
+    reader = Reader(browser, tmp_path / "r.html")
+    slider, said = reader.page.locator("input[type=range]"), reader.page.locator("output")
+    scale = TimeScale.of(model.filtration_)
+    for at in (0.3, 0.5, 0.8):
+        time = float(scale.times(np.array(at)))
+        slider.fill(str(at))
+        reader.settle()
+        shown = f"{time:.2f}" if heat == "geodesic" else f"{time:.2g}"
+        n_classes = len(model.filtration_.concepts_at(time, 1))
+        assert said.inner_text().startswith(f"time {shown}")
+        assert f": {n_classes} class" in said.inner_text()
+    reader.page.get_by_role("button", name="to the concepts").click()
+    reader.settle()
+    assert float(slider.input_value()) == pytest.approx(
+        float(scale.positions(np.array(model.filtration_.concept_time_))), abs=1e-3
+    )
+    assert (
+        f": {len(model.filtration_.concepts_at(model.filtration_.concept_time_, 1))} cl" in said.inner_text()
+    )
+    # Pulled in the figure, the same place is the same time.
+    canvas = reader.page.locator("canvas.timeline")
+    canvas.scroll_into_view_if_needed()
+    box = canvas.bounding_box()
+    reader.page.mouse.click(box["x"] + 44 + 0.5 * (box["width"] - 2 - 44 - 14), box["y"] + 60)
+    reader.settle()
+    assert float(slider.input_value()) == pytest.approx(0.5, abs=0.01)
+
+
+@pytest.mark.parametrize("heat", ["separation", "geodesic"])
+@pytest.mark.parametrize("stop", ["lifetime", "annexations"])
+def test_a_page_says_how_its_time_was_chosen(browser, tmp_path, heat, stop):
+    rows, labels = grouped_stimuli(60, 4)
+    model = model_of(rows, labels, heat=heat, stop=stop)
+    write_report(tmp_path / "r.html", model, [None] * 60)
+    reader = Reader(browser, tmp_path / "r.html")
+    told = reader.page.evaluate("document.body.innerHTML.split('<script')[0]")
+    assert ("ε_max" in told) == ("busiest step" in told) == (stop == "annexations")
+    assert ("in proportion to its time" in told) == (stop == "lifetime")
+    assert ("hot middle" in told) == (heat == "geodesic")
+    assert ("logarithmic" in told) == (heat == "separation")
+    assert ("joins early" in told) is False
+    reader.page.locator("input[value=heat]").check()
+    reader.settle()
+    key = reader.page.locator("fieldset").inner_text()
+    assert ("stands apart" in key) == (heat == "separation")
+    assert reader.complaints == []
 
 
 def test_hostile_names_do_nothing(browser, tmp_path):

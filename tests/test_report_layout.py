@@ -8,6 +8,7 @@ from report_models import grouped_stimuli, model_of
 from shapeconcepts import Concept
 from shapeconcepts.report.html.filtration_layout import lay_out_filtration
 from shapeconcepts.report.html.ranking import rank_concepts
+from shapeconcepts.report.html.time_scale import TimeScale
 from shapeconcepts.report.html.tree_layout import lay_out_tree
 
 
@@ -60,12 +61,15 @@ def test_no_edges(n):
     assert np.array_equal(lay_out_filtration(none, np.empty(0), n), np.zeros((n, 2)))
 
 
-def test_f_runs_inwards_in_time():
-    filtration = model_of(grouped_stimuli(80, 5)[0]).filtration_
-    places = lay_out_filtration(filtration.annexations_, filtration.times_, 80)
+@pytest.mark.parametrize("heat", ["separation", "geodesic"])
+def test_f_runs_inwards_in_time(heat):
+    filtration = model_of(grouped_stimuli(80, 5)[0], heat=heat).filtration_
+    death_radii = TimeScale.of(filtration).radii(filtration.times_)
+    assert np.all(np.diff(death_radii) <= 0) and death_radii.max() <= 1 and death_radii.min() >= 0.06 - 1e-12
+    places = lay_out_filtration(filtration.annexations_, death_radii, 80)
     radii = np.linalg.norm(places, axis=1)
     dying, surviving = filtration.annexations_.T
-    assert np.allclose(radii[dying], 0.06 + 0.94 * np.sqrt(1 - filtration.times_))
+    assert np.allclose(radii[dying], death_radii)
     assert np.allclose(radii[filtration.annexations_[-1, 1]], 0)
     assert np.all(radii[dying] >= radii[surviving] - 1e-12)
     outer = places[radii > 0.2]

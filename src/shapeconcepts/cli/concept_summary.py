@@ -87,7 +87,7 @@ def in_words(model: ShapeConceptModel) -> str:
         return f"{n_scans} scans, no concept"
     return (
         f"{n_concepts} concepts with {n_in} of {n_scans} scans ({n_in / n_scans:.0%}), "
-        f"at time {model.filtration_.concept_time:.3f}; {n_scans - n_in} scans are in no concept"
+        f"at time {model.filtration_.concept_time:.3f}"
     )
 
 

@@ -53,7 +53,7 @@ def explain(
     ] = None,
     image: Annotated[
         Path | None,
-        typer.Option(metavar="OUT.png", help="Draw the strongest motifs and what they remind of."),
+        typer.Option(metavar="OUT.png", help="Draw the strongest of them and what they remind of."),
     ] = None,
     training_data: Annotated[
         list[Path] | None,
@@ -73,9 +73,9 @@ def explain(
 ) -> None:
     """Say why a scan resembles what it resembles.
 
-    Shows the motifs, that is combinations of surfaces, that the scan has in common with training scans: how
-    strongly each fires (its stimulus, 0 to 1), which segments of the scan are behind it, and the training
-    scans that they resemble most, with the divergence (0 same, 1 nothing in common).
+    Shows the combinations of surfaces that the scan has in common with training scans: how strongly each
+    fires (its stimulus, 0 to 1), the motif that it shares with them, which segments of the scan it consists
+    of, and the training scans that these resemble most, with the divergence (0 same, 1 nothing in common).
     """
     if image is not None:
         check_picture_path(image, "--image")
@@ -159,11 +159,19 @@ def _print(
     typer.echo(f"{found.name}: {_verdict(model, concept, responses)}")
     rows = list(_motif_rows(explanation))
     if not rows:
-        typer.echo("No motif fired: none of its combinations of surfaces was seen in training.")
+        typer.echo("Nothing fired: none of its combinations of surfaces is like those seen in training.")
         return
     count = len(explanation.motifs)
     shown = f", the strongest {len(rows)}" if len(rows) < count else ""
-    typer.echo(f"{count} motifs fired{shown}:")
+    if explanation.columns == "motifs":
+        typer.echo(f"{count} motif{'s' if count > 1 else ''} fired{shown}:")
+    elif explanation.n_constellations == 1:
+        typer.echo("Its only surface reminds of training scans:")
+    else:
+        typer.echo(
+            f"{count} of its {explanation.n_constellations} combinations of surfaces "
+            f"remind{'s' if count == 1 else ''} of training scans{shown}:"
+        )
     print_table(("stimulus", "motif", "segments", "reminds of (divergence)"), rows, "reminds of (divergence)")
 
 
@@ -182,7 +190,7 @@ def _motif_rows(explanation: Explanation) -> Iterator[tuple[str, ...]]:
         ]
         yield (
             f"{motif.stimulus:.3f}",
-            motif.name,
+            motif.name if motif.words else "none",
             " ".join(map(str, motif.segments)),
             ", ".join(closest),
         )

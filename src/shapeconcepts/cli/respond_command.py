@@ -67,7 +67,7 @@ def respond(
 
     For each scan: the concept of the training scan that is most alike, by name or number, or "unknown" where
     none is near; and the response of each concept, which is the mean distance to its members (nothing where
-    the scan has no motif that the model knows).
+    the scan has nothing that the model knows).
 
     Scans that cannot be used are skipped and listed at the end. The exit code is 0 if there is a response,
     1 if not, and 2 if the command line is wrong.

@@ -89,11 +89,14 @@ class Explanation:
     n_unknown : tuple of int
         For each dictionary level, the number of constellations whose motif is no column: never seen, or in
         too few objects.
+    columns : {"motifs", "prototypes"}
+        What the stimuli are of.
     """
 
     motifs: tuple[FiredMotif, ...]
     n_constellations: int
     n_unknown: tuple[int, ...]
+    columns: str = "motifs"
 
 
 def explain_propagation(
@@ -167,6 +170,7 @@ def explain_by_prototypes(
         motifs=tuple(motifs),
         n_constellations=len(propagation.constellations),
         n_unknown=tuple((activated < 0).sum(axis=0).tolist()),
+        columns="prototypes",
     )
 
 

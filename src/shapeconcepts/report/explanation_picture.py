@@ -35,10 +35,10 @@ def draw_explanation(
 ) -> Image.Image:
     """Draw the strongest motifs of an object, each beside the prototypes that it resembles most.
 
-    A row shows the object with the constellation behind the motif in orange, the motif and its stimulus, and
-    training objects with the constellation behind the prototype in blue. A constellation that fires in
-    several hierarchies has one row, at the dictionary level where its stimulus is largest; the other levels
-    are named there.
+    A row shows the object with a constellation in orange, its motif and its stimulus, and training objects
+    with the constellation behind the prototype in blue. A constellation that fires in several hierarchies
+    has one row, at the dictionary level where its stimulus is largest; the other levels are named there. Of
+    the stimuli of single prototypes the largest is shown, and the motif shared with its prototype.
 
     Parameters
     ----------
@@ -86,7 +86,8 @@ def draw_explanation(
     if not rows:
         canvas.picture(draw_highlighted(segmented, {}, size=_THUMB), (_MARGIN, _TITLE))
         x, y = _MARGIN + _THUMB + _GAP, _TITLE + _THUMB / 2
-        canvas.text((x, y - 12), "No motif fired", 18)
+        nothing = "Nothing like it was seen" if _is_by_prototypes(explanation) else "No motif fired"
+        canvas.text((x, y - 12), nothing, 18)
         canvas.text((x, y + 14), _reason(explanation), 14, NOTE_COLOUR)
         return canvas.finish(path)
     canvas.text((_MARGIN + title + 20, 34), _summary(explanation, len(groups), len(rows)), 14, NOTE_COLOUR)
@@ -99,11 +100,15 @@ def draw_explanation(
         canvas.line([(_MARGIN, top), (width - _MARGIN, top)], _RULE)
         colour_of = dict.fromkeys(group[0].segments, _OWN)
         canvas.picture(draw_highlighted(segmented, colour_of, size=_THUMB), (_MARGIN, top + 18))
-        _describe_motif(canvas, (_MARGIN + _THUMB + _GAP, top + 30), group)
+        _describe_motif(canvas, (_MARGIN + _THUMB + _GAP, top + 30), group, explanation)
         for position, prototype in enumerate(group[0].closest[:n_prototypes]):
             left = first_prototype + position * (_THUMB + _GAP)
             _draw_prototype(canvas, (left, top + 8), prototype, training_objects)
     return canvas.finish(path)
+
+
+def _is_by_prototypes(explanation: Explanation) -> bool:
+    return explanation.columns == "prototypes"
 
 
 def _by_constellation(explanation: Explanation) -> list[list[FiredMotif]]:
@@ -116,27 +121,42 @@ def _by_constellation(explanation: Explanation) -> list[list[FiredMotif]]:
 
 def _summary(explanation: Explanation, n_fired: int, n_shown: int) -> str:
     total = explanation.n_constellations
+    shown = f"; the {n_shown} strongest" if n_shown < n_fired else ""
+    if _is_by_prototypes(explanation):
+        if total == 1:
+            return "its only constellation reminds of training objects"
+        return f"{n_fired} of its {total:,} constellations remind of training objects{shown}"
     constellations = "its only constellation" if total == 1 else f"{n_fired} of its {total:,} constellations"
     count = len(explanation.motifs)
-    text = f"{count:,} motif{'s' if count != 1 else ''} fired, by {constellations}"
-    return text + (f"; the {n_shown} strongest" if n_shown < n_fired else "")
+    return f"{count:,} motif{'s' if count != 1 else ''} fired, by {constellations}{shown}"
 
 
 def _reason(explanation: Explanation) -> str:
+    if _is_by_prototypes(explanation):
+        return "None of its constellations is near enough to one of the training objects."
     if min(explanation.n_unknown) == explanation.n_constellations:
         return "None of its constellations has a motif that was seen in enough training objects."
     return "It has motifs that were seen in training, but their prototypes look quite different."
 
 
-def _describe_motif(canvas: Canvas, at: tuple[float, float], group: list[FiredMotif]) -> None:
-    """Stimulus as a number and a bar, words, name, and the other hierarchies that fired."""
+def _describe_motif(
+    canvas: Canvas, at: tuple[float, float], group: list[FiredMotif], explanation: Explanation
+) -> None:
+    """Stimulus as a number and a bar, name, and what stands behind it."""
     motif = group[0]
     x, y = at
     canvas.text((x, y), f"{motif.stimulus:.2f}" if motif.stimulus >= 0.01 else f"{motif.stimulus:.0e}", 22)
     bar = _TEXT - 66
     canvas.box((x + 60, y - 6), bar, 12, blend(_OWN, WHITE, 0.82))
     canvas.box((x + 60, y - 6), max(bar * motif.stimulus, 3.0), 12, _OWN)
-    canvas.text((x, y + 28), motif.name, 15, width=_TEXT)
+    canvas.text((x, y + 28), motif.name if motif.words else "no words in common", 15, width=_TEXT)
+    lines = _notes_on_prototypes(motif) if _is_by_prototypes(explanation) else _notes_on_motif(group)
+    for number, line in enumerate(lines):
+        canvas.text((x, y + 52 + 19 * number), line, 13, NOTE_COLOUR, width=_TEXT)
+
+
+def _notes_on_motif(group: list[FiredMotif]) -> list[str]:
+    motif = group[0]
     lines = [
         f"dictionary level {motif.dictionary_level}, motif level {motif.motif_level}",
         "1 prototype" if motif.n_prototypes == 1 else f"{motif.n_prototypes:,} prototypes",
@@ -145,8 +165,13 @@ def _describe_motif(canvas: Canvas, at: tuple[float, float], group: list[FiredMo
     if others:
         levels = "level" if len(others) == 1 else "levels"
         lines.append(f"also at dictionary {levels} {', '.join(map(str, others))}")
-    for number, line in enumerate(lines):
-        canvas.text((x, y + 52 + 19 * number), line, 13, NOTE_COLOUR, width=_TEXT)
+    return lines
+
+
+def _notes_on_prototypes(motif: FiredMotif) -> list[str]:
+    shared = [f"shared at dictionary level {motif.dictionary_level}"] if motif.words else []
+    reminded = "1 prototype" if motif.n_prototypes == 1 else f"{motif.n_prototypes:,} prototypes"
+    return [*shared, f"motif level {motif.motif_level}", f"reminds of {reminded}"]
 
 
 def _draw_prototype(

@@ -13,6 +13,7 @@ from shapeconcepts.motifs.ensemble import MotifHierarchyEnsemble
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.hierarchy_kernels import linked_vertices
 from shapeconcepts.motifs.propagation import Propagation, propagate
+from shapeconcepts.motifs.prototype_stimuli import PrototypeField
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 Pair = tuple[int, int]
@@ -33,7 +34,8 @@ class HierarchyExcerpt:
     activated : set of int
         Vertices that the object's constellations activate, shown or not.
     stimulus_of : dict of int to float
-        Stimulus of the activated vertices that are columns of the stimuli.
+        Stimulus of the activated vertices that are columns of the stimuli; where columns are prototypes, the
+        largest one of a vertex's prototypes.
     links, steps : set of (int, int)
         Linked vertices of a level; vertices (lower, upper) such that in some training object the lower is one
         of two whose union makes the upper. Between shown vertices.
@@ -72,11 +74,14 @@ def excerpt_of(
     propagation = propagate(describe(segmented, ensemble.descriptor), ensemble.dictionary_)
     vertices = known.activated(propagation.words)[:, dictionary_level - 1]
     activated = {int(vertex) for vertex in vertices[vertices >= 0]}
-    stimulus_of = {
-        motif.vertex: motif.stimulus
-        for motif in ensemble.explain(segmented).motifs
-        if motif.dictionary_level == dictionary_level
-    }
+    if ensemble.columns == "prototypes":
+        stimulus_of = _prototype_stimuli(ensemble, propagation, dictionary_level)
+    else:
+        stimulus_of = {
+            motif.vertex: motif.stimulus
+            for motif in ensemble.explain(segmented).motifs
+            if motif.dictionary_level == dictionary_level
+        }
 
     here = np.flatnonzero(known.dictionary_levels == dictionary_level)
     highest = max((int(known.motif_levels[vertex]) for vertex in activated), default=0)
@@ -113,6 +118,22 @@ def excerpt_of(
         n_constellations=len(vertices),
         n_unknown=int((vertices < 0).sum()),
     )
+
+
+def _prototype_stimuli(
+    ensemble: MotifHierarchyEnsemble, propagation: Propagation, dictionary_level: int
+) -> dict[int, float]:
+    """Largest stimulus of a prototype at each vertex by a constellation that activates the vertex."""
+    known = ensemble.hierarchies_
+    field = PrototypeField.of(known, ensemble.n_neighbours)
+    activated = known.activated(propagation.words)
+    stimuli = field.stimuli((propagation.histograms, activated, -1))
+    vertices, homes = activated[:, dictionary_level - 1], field.vertices[:, dictionary_level - 1]
+    largest = {
+        int(vertex): float(stimuli[np.ix_(vertices == vertex, homes == vertex)].max(initial=0))
+        for vertex in np.unique(vertices[vertices >= 0])
+    }
+    return {vertex: stimulus for vertex, stimulus in largest.items() if stimulus > 0}
 
 
 def _links(propagation: Propagation, vertices: NDArray[np.int32], shown: set[int]) -> set[Pair]:

@@ -14,6 +14,7 @@ from shapeconcepts.model import ShapeConceptModel
 from shapeconcepts.report.html.filtration_layout import lay_out_filtration
 from shapeconcepts.report.html.ranking import RankedConcept, rank_concepts
 from shapeconcepts.report.html.scan_preview import ScanPreview
+from shapeconcepts.report.html.time_scale import TimeScale, annexation_counts
 from shapeconcepts.report.html.tree_layout import lay_out_tree
 from shapeconcepts.report.palette import NO_SEGMENT_COLOUR, SEGMENT_COLOURS
 from shapeconcepts.topology import Filtration
@@ -88,19 +89,47 @@ def _concept(model: ShapeConceptModel, ranked: RankedConcept, labels: list[str])
 def _filtration(filtration: Filtration) -> dict[str, Any]:
     space = filtration.space_
     n_vertices = len(space.multiplicities_)
-    step_ends, counts = filtration.annexations()
+    scale = TimeScale.of(filtration)
+    step_ends, counts = annexation_counts(filtration, scale)
     return {
+        "heatKind": filtration.heat,
+        "stop": filtration.stop,
+        "axisStart": scale.start,
         "tree": _rounded(lay_out_tree(space.edges_, n_vertices)),
-        "heat": _rounded(space.vertex_heat_),
+        "heat": _rounded(_vertex_heat(filtration, scale)),
         "edges": filtration.edges_.tolist(),
         "times": filtration.times_.tolist(),
         "annexations": filtration.annexations_.tolist(),
-        "graph": _rounded(lay_out_filtration(filtration.annexations_, filtration.times_, n_vertices)),
-        "stepEnds": step_ends.tolist(),
-        "stepCounts": counts.tolist(),
+        "graph": _rounded(
+            lay_out_filtration(filtration.annexations_, scale.radii(filtration.times_), n_vertices)
+        ),
+        "stepEnds": step_ends,
+        "stepCounts": counts,
         "conceptTime": filtration.concept_time_,
+        "stateEnd": _end_of_state(filtration),
         "minSize": int(filtration.min_concept_size),
     }
+
+
+def _vertex_heat(filtration: Filtration, scale: TimeScale) -> NDArray[np.float64]:
+    """Heat of each vertex, 0 to 1: of separations, how late on the axis of time its first neighbour joins."""
+    if filtration.heat == "geodesic":
+        return filtration.space_.vertex_heat_
+    first_joins = np.ones(len(filtration.space_.multiplicities_))
+    for ends in filtration.edges_.T:
+        np.minimum.at(first_joins, ends, filtration.times_)
+    positions = scale.positions(first_joins)
+    return (
+        (positions - positions.min(initial=1)) / max(np.ptp(positions), 1e-9) if len(positions) else positions
+    )
+
+
+def _end_of_state(filtration: Filtration) -> float | None:
+    """Time of the first annexation after concepts are taken, None where there is none."""
+    if filtration.concept_time_ is None:
+        return None
+    later = filtration.times_[filtration.times_ > filtration.concept_time_]
+    return float(later[0]) if len(later) else None
 
 
 def _shown(value: object) -> str:

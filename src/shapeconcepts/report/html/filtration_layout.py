@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 def lay_out_filtration(
-    annexations: NDArray[np.integer], times: NDArray[np.float64], n_vertices: int
+    annexations: NDArray[np.integer], death_radii: NDArray[np.float64], n_vertices: int
 ) -> NDArray[np.float64]:
     """Positions in the unit disc: the later a class dies, the closer it is to the middle.
 
@@ -18,14 +18,14 @@ def lay_out_filtration(
     ----------
     annexations : (e, 2) int
         Class that dies, and class that it dies into, in the order of time.
-    times : (e,) float64
-        Time of each annexation, in (0, 1].
+    death_radii : (e,) float64
+        Distance from the middle of the time of each annexation, falling.
     n_vertices : int
 
     Returns
     -------
     (v, 2) float64
-        At distance `radius(death)` from the middle, the last class at 0.
+        The last class is in the middle.
     """
     leaves = np.ones(n_vertices)
     has_child = np.zeros(n_vertices, bool)
@@ -44,10 +44,5 @@ def lay_out_filtration(
         starts[dying] = starts[surviving]
         starts[surviving] += leaves[dying] * per_leaf
     radii = np.zeros(n_vertices)
-    radii[annexations[:, 0]] = radius(times)
+    radii[annexations[:, 0]] = death_radii
     return radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-
-
-def radius(times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Distance of a time from the middle, 1 for time 0; the root gives the crowded middle more room."""
-    return np.asarray(0.06 + 0.94 * np.sqrt(1 - times))

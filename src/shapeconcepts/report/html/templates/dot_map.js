@@ -11,7 +11,9 @@ function vertexColour(vertex) {
 }
 const vertexNote = (vertex) => {
   const others = scansAt[vertex].length - 1;
-  return `heat ${filtration.heat[vertex].toFixed(2)}` + (others ? ` · ${plural(others, "equal scan")} here too` : "");
+  const heat = filtration.heatKind === "geodesic" ? `heat ${filtration.heat[vertex].toFixed(2)}`
+    : Number.isFinite(joinTimes[vertex]) ? `joins another at ${shownTime(joinTimes[vertex])}` : "alone";
+  return heat + (others ? ` · ${plural(others, "equal scan")} here too` : "");
 };
 
 // Edges within a concept: a broad stroke along them shows it as a region.

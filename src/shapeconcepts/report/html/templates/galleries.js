@@ -36,17 +36,19 @@ function gallery(group, firstNote) {
 }
 
 function lifetimeBar(rank) {
-  const concept = concepts[rank], death = concept.death ?? 1;
-  return element("span", { className: "life", title: "The strip is time from 0 to 1; the bar is this concept's lifetime, the mark ε_max." },
-    element("span", { className: "life-bar", style: { left: `${100 * concept.birth}%`,
-      width: `${Math.max(1, 100 * (death - concept.birth))}%`, background: conceptColour(rank) } }),
-    element("span", { className: "life-mark", style: { left: `${100 * filtration.conceptTime}%` } }));
+  const concept = concepts[rank], birth = position(concept.birth), death = position(concept.death ?? 1);
+  return element("span", { className: "life", title: `The strip is time${isRatio ? ", logarithmic, as below the barcode" : " from 0 to 1"}; `
+    + `the bar is this concept's lifetime, the mark the time of the concepts, ${shownTime(filtration.conceptTime)}.` },
+    element("span", { className: "life-bar", style: { left: `${100 * birth}%`,
+      width: `${Math.max(1, 100 * (death - birth))}%`, background: conceptColour(rank) } }),
+    element("span", { className: "life-mark", style: { left: `${100 * position(filtration.conceptTime)}%` } }));
 }
 
 function conceptCard(rank) {
   const concept = concepts[rank], size = concept.members.length;
   const mix = concept.mix.slice(0, 5).map(([label, n]) => `${n} ${labels[label]}`).join(", ") + (concept.mix.length > 5 ? " …" : "");
-  const death = concept.death === null ? "never dies" : `dies at ${concept.death.toFixed(2)}`;
+  const death = concept.death === null ? "never dies" : `dies at ${shownTime(concept.death)}`
+    + (isRatio && concept.birth > 0 ? ` (× ${(concept.death / concept.birth).toFixed(1)})` : "");
   const card = element("article", { id: `concept-${rank}`, className: "card", style: { "--colour": conceptColour(rank) } },
     element("header", {},
       element("h3", {}, element("span", { className: "number", textContent: concept.number }), named(conceptName(rank))),
@@ -57,7 +59,7 @@ function conceptCard(rank) {
     element("dl", {},
       element("div", {}, element("dt", { textContent: "scans" }), element("dd", { textContent: size })),
       element("div", {}, element("dt", { textContent: "lifetime" }), element("dd", {}, lifetimeBar(rank),
-        element("span", { className: "quiet", textContent: `born at ${concept.birth.toFixed(2)}, ${death}` }))),
+        element("span", { className: "quiet", textContent: `born at ${shownTime(concept.birth)}, ${death}` }))),
       hasLabels ? element("div", {}, element("dt", { textContent: "labels" }), element("dd", {}, mixBar(concept),
         element("span", { className: "quiet", textContent: concept.mix.length ? `${mix} · purity ${percent(concept.purity)}` : "none" }))) : ""),
     gallery(concept.members, "medoid"));
@@ -74,10 +76,6 @@ function fillConcepts(section) {
   ...concepts.map((_, rank) => conceptCard(rank)));
 }
 
-// Time at which each vertex has its first neighbour.
-const joinTimes = new Float64Array(nVertices).fill(Infinity);
-filtration.edges.forEach((ends, i) => ends.forEach((vertex) => { joinTimes[vertex] = Math.min(joinTimes[vertex], filtration.times[i]); }));
-
 function fillOutside(section) {
   const skipped = new Set(scans.skipped);
   const all = Array.from({ length: nScans }, (_, scan) => scan).filter((scan) => rankOfScan[scan] < 0 && !skipped.has(scan));
@@ -86,7 +84,7 @@ function fillOutside(section) {
   if (loners.length) {
     section.append(element("h2", { textContent: "In no concept" }),
       element("p", { textContent: concepts.length
-        ? `${plural(loners.length, "scan")} had not joined ${filtration.minSize - 1} others or more by the time ε_max. Their shapes are rare here, `
+        ? `${plural(loners.length, "scan")} had not joined ${filtration.minSize - 1} others or more by time ${shownTime(filtration.conceptTime)}. Their shapes are rare here, `
           + "in between, or were seen badly. Those that join another the soonest come first."
         : "There are no concepts, so all scans are here." }),
       element("div", { className: "card" }, gallery(loners)));

@@ -31,7 +31,7 @@ function rankedBars() {
     const bar = element("button", { className: "column", onclick: () => toggle(rank),
       title: `${conceptName(rank)}: ${plural(size, "scan")}`
         + (hasLabels ? `, purity ${percent(concept.purity)}, rank score ${concept.score}` : "")
-        + `, lifetime ${lifetime(concept).toFixed(2)}` },
+        + `, lifetime ${shownTime(lifetime(concept))}` },
     hasLabels ? mixBar(concept) : element("span", { className: "whole" }, element("span", {
       style: { height: `${Math.max(2, 100 * lifetime(concept) / longest)}%`, background: conceptColour(rank) } })),
     element("span", { className: "column-size" }, element("span", {
@@ -47,7 +47,7 @@ function rankedBars() {
       ? "Upper bars: the labels of a concept's scans, each by its share. Lower bars: how many scans it has, "
         + `${largest} at most. The best is on the left: rank score = size / (1 − purity + 0.001), where purity is the `
         + "share of the commonest label. The labels came with the scans; nothing was learned from them."
-      : `Upper bars: lifetime, the span of time through which the group stays as it is, ${longest.toFixed(2)} at most. Lower bars: number of scans, ${largest} at most. `
+      : `Upper bars: lifetime, the span of time through which the group stays as it is, ${shownTime(longest)} at most. Lower bars: number of scans, ${largest} at most. `
         + "No scan has a label, so concepts are ranked by size × lifetime." }));
 }
 
@@ -61,8 +61,8 @@ function fillGlance(section) {
     section.append(element("h2", { textContent: "No concepts this time" }), element("p", { textContent:
       nVertices < 2
         ? `All scans with something in common lie at ${nVertices === 1 ? "one place" : "no place at all"} of the space: there is nothing to tell apart.`
-        : `At no time do the scans fall into at least two groups of ${filtration.minSize} or more of which none holds `
-          + "more than half of them. More scans, or a smaller minimum size, may change that. What was found stands below." }));
+        : `At no time do the scans fall into at least two groups of ${filtration.minSize} or more`
+          + (isBusiest ? " of which none holds more than half of them" : "") + ". More scans, or a smaller minimum size, may change that. What was found stands below." }));
     return;
   }
   const tiles = concepts.map((_, rank) => rank).slice(0, 24).map(overviewTile);

@@ -21,13 +21,16 @@ function treeFigure() {
   };
   return mapFigure("The spanning tree",
     "Every dot is a scan; a line joins it to the one most like it, so that all hang together with the least "
-    + "difference in total. Only the pattern of the lines counts, not their length. A scan is cold where it is many lines "
-    + "away from the rest: the tips of the twigs. The middle, near to all, is hot, and there unlike things meet.",
+    + "difference in total. Only the pattern of the lines counts, not their length. " + (filtration.heatKind === "geodesic"
+      ? "A scan is cold where it is many lines away from the rest: the tips of the twigs. The middle, near to all, is hot, "
+        + "and there unlike things meet."
+      : "Dark lines have joined by now. Coloured by separation, a dot is the more orange, the later it joins its first "
+        + "neighbour: such a scan stands apart."),
     `Spanning tree of ${nVertices} places`, { pairs: filtration.edges, place });
 }
 
-// As in filtration_layout.py.
-const radius = (time) => 0.06 + 0.94 * Math.sqrt(1 - time);
+// As in time_scale.py.
+const radius = (time) => 0.06 + 0.94 * (isRatio ? 1 - position(time) : Math.sqrt(1 - time));
 
 function graphFigure() {
   const disc = (width, height) => [width / 2, height / 2, Math.min(width, height) / 2 - 24];
@@ -47,10 +50,11 @@ function graphFigure() {
     context.textAlign = "center";
     context.textBaseline = "middle";
     context.font = "11px system-ui, sans-serif";
-    for (const time of [0, 0.25, 0.5, 0.75]) {
+    for (const [time, text] of isRatio ? [[0, "time 0"], ...ticks(0.13).filter(([at]) => position(at) > 0.08)] : [[0, "time 0"], [0.25, "0.25"], [0.5, "0.5"], [0.75, "0.75"]]) {
+      if (time === 1) continue;
       ring(time, "#eceae4", 1);
       context.fillStyle = "#8b8f99";
-      context.fillText(time ? time : "time 0", cx, cy + r * radius(time) + 8);
+      context.fillText(text, cx, cy + r * radius(time) + 8);
     }
     if (filtration.conceptTime !== null) {
       context.setLineDash([5, 5]);

@@ -22,12 +22,12 @@ function fillHeader(header) {
 }
 
 function colouringChoice() {
-  const choices = [["concept", "concept"], ...(hasLabels ? [["label", "label"]] : []), ["heat", "heat"]];
+  const choices = [["concept", "concept"], ...(hasLabels ? [["label", "label"]] : []), ["heat", heatName]];
   const key = element("span", {});
   const fillKey = () => {
     if (state.colouring === "heat") {
-      key.replaceChildren(element("span", { className: "legend" }, "cold",
-        element("span", { className: "ramp", style: { background: `linear-gradient(to right, ${[0, 0.5, 1].map(heatColour).join(",")})` } }), "hot"));
+      key.replaceChildren(element("span", { className: "legend" }, filtration.heatKind === "geodesic" ? "cold" : "joins early",
+        element("span", { className: "ramp", style: { background: `linear-gradient(to right, ${[0, 0.5, 1].map(heatColour).join(",")})` } }), filtration.heatKind === "geodesic" ? "hot" : "stands apart"));
     } else if (state.colouring === "label") {
       key.replaceChildren(legend(labels.map((label, i) => [labelColour(i), label])));
     } else key.replaceChildren(element("span", { className: "quiet small", textContent: "grey: in no concept" }));
@@ -41,28 +41,29 @@ function colouringChoice() {
 
 function timeControl() {
   const slider = element("input", { type: "range", min: 0, max: 1, step: 0.001, ariaLabel: "Time of the filtration",
-    oninput: () => { stop(); change({ time: Number(slider.value) }); } });
+    oninput: () => { stop(); change({ time: timeAt(Number(slider.value)) }); } });
   const note = element("output", {});
   let playing = null;
   const stop = () => { cancelAnimationFrame(playing); playing = null; play.textContent = "▶ play"; };
   const play = element("button", { textContent: "▶ play", onclick: () => {
     if (playing !== null) { stop(); return; }
     play.textContent = "❚❚ pause";
-    const start = performance.now(), from = state.time >= 1 || state.time === filtration.conceptTime ? 0 : state.time;
+    const start = performance.now(), from = state.time >= 1 || state.time === filtration.conceptTime ? 0 : position(state.time);
     const advance = (now) => {
-      const time = Math.min(1, from + (now - start) / 9000);
-      change({ time });
-      if (time >= 1) stop();
+      const at = Math.min(1, from + (now - start) / 9000);
+      change({ time: timeAt(at) });
+      if (at >= 1) stop();
       else playing = requestAnimationFrame(advance);
     };
     playing = requestAnimationFrame(advance);
   } });
-  const back = filtration.conceptTime === null ? "" : element("button", { textContent: "to ε_max",
+  const back = filtration.conceptTime === null ? "" : element("button", { textContent: isBusiest ? "to ε_max" : "to the concepts",
     onclick: () => { stop(); change({ time: filtration.conceptTime }); } });
   const update = () => {
     const { classes, groups, largest } = groupsAt(state.time);
-    slider.value = state.time;
-    note.textContent = `time ${state.time.toFixed(2)}: ${plural(classes, "class", "classes")}, of which ${groups} `
+    slider.value = position(state.time);
+    slider.setAttribute("aria-valuetext", `time ${shownTime(state.time)}`);
+    note.textContent = `time ${shownTime(state.time)}: ${plural(classes, "class", "classes")}, of which ${groups} `
       + `${groups === 1 ? "has" : "have"} at least ${filtration.minSize} scans; the largest has ${largest}`;
   };
   onChange(update);
@@ -75,7 +76,10 @@ function fillHow(section) {
   section.append(
     element("div", { className: "narrow" }, element("h2", { textContent: concepts.length ? "How they came about" : "How the scans hang together" }),
       element("p", { textContent: "What each scan is made of becomes a vector of stimuli, and scans with like stimuli are neighbours. "
-        + "Then time runs: from the coldest twigs to the hot middle, neighbours join, and the larger group annexes the smaller. "
+        + (filtration.heatKind === "geodesic"
+          ? "Then time runs: from the coldest twigs to the hot middle, neighbours join, and the larger group annexes the smaller. "
+          : "Then time runs: neighbours join, those first that are the least apart, and the larger group annexes the smaller. The "
+            + "larger both are, the more it takes. ")
         + "At time 0 every scan is alone, at time 1 all are one; concepts lie in between. Pull the time and watch." })),
     element("div", { className: "controls" }, timeControl(), colouringChoice()),
     element("div", { className: "pair" }, treeFigure(), graphFigure()),

@@ -4,6 +4,7 @@ const { scans, concepts, filtration, labels } = contents;
 const hasLabels = labels.length > 0;
 const nVertices = filtration.heat.length;
 const nScans = scans.names.length;
+const nPlaced = scans.vertices.filter((vertex) => vertex >= 0).length;
 
 // Categorical colours that colour-blind readers tell apart too (P. Tol's "muted"; Okabe and Ito's, and what lies
 // farthest from those in CIELAB under normal and simulated red- and green-blind vision).
@@ -28,6 +29,32 @@ scans.vertices.forEach((vertex, scan) => {
   scansAt[vertex].push(scan);
   rankOfVertex[vertex] = rankOfScan[scan];
 });
+
+// As in time_scale.py: positions on the axis of time, 0 to 1, and back. Nothing has joined at the very begin.
+const isRatio = filtration.axisStart !== null;
+const position = (time) => (!isRatio ? time : time <= filtration.axisStart ? 0 : 1 - Math.log(time) / Math.log(filtration.axisStart));
+const timeAt = (at) => (!isRatio ? at : at <= 0 ? 0 : filtration.axisStart ** (1 - at));
+const shownTime = (time) => (!isRatio || time === 0 ? time.toFixed(2) : time.toPrecision(2));
+
+// Round times with room between them, of which there is `room` on the whole axis.
+function ticks(room) {
+  const candidates = !isRatio ? [0, 1, 0.5, 0.1, 0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9]
+    : [1, 0.1, 0.01, 0.001, 0.0001, 0.00001].flatMap((power) => [power, power * 0.5, power * 0.2]).concat([0.3, 0.03, 0.7, 0.07, 0.4, 0.04]);
+  const taken = [];
+  for (const time of candidates) {
+    if (isRatio && time < filtration.axisStart) continue;
+    if (taken.every((other) => Math.abs(position(time) - position(other)) >= room)) taken.push(time);
+  }
+  return taken.map((time) => [time, String(Number(time.toPrecision(2)))]);
+}
+
+// Words for the time at which the concepts are taken.
+const isBusiest = filtration.stop === "annexations";
+const stopName = filtration.conceptTime === null ? "" : isBusiest ? `ε_max ${shownTime(filtration.conceptTime)}` : `concepts ${shownTime(filtration.conceptTime)}`;
+// Time at which each vertex has its first neighbour.
+const joinTimes = new Float64Array(nVertices).fill(Infinity);
+filtration.edges.forEach((ends, i) => ends.forEach((vertex) => { joinTimes[vertex] = Math.min(joinTimes[vertex], filtration.times[i]); }));
+const heatName = filtration.heatKind === "geodesic" ? "heat" : "separation";
 
 const state = { hovered: null, selected: null, time: filtration.conceptTime ?? 1, colouring: "concept" };
 const listeners = [];

@@ -1,5 +1,10 @@
 // Annexation curve and barcode over one axis of time, with a cursor that can be pulled.
-const LEFT = 44, RIGHT = 14, CURVE = 130, GAP = 46, AXIS = 34;
+const LEFT = 44, RIGHT = 14, CURVE = 130, GAP = 46, AXIS = 38, BAND = "#fbe9df";
+// Where each row of the barcode begins, as a share of its height. Of many, the last are given more room: those that outlive
+// the others are what one looks for.
+const isCrowded = nVertices > 120;
+const rowTop = (row) => (isCrowded ? 1 - Math.sqrt(1 - row / nVertices) : row / nVertices);
+const rowAt = (share) => Math.floor((isCrowded ? 1 - (1 - share) ** 2 : share) * nVertices);
 const barHeight = () => Math.max(120, Math.min(380, nVertices * 6));
 
 // Death of the class of each vertex; the one that is left never dies.
@@ -16,24 +21,24 @@ function timelineFigure() {
   const draw = () => drawTimeline(canvas);
   onChange(draw);
   new ResizeObserver(draw).observe(canvas);
-  const timeAt = (event) => Math.max(0, Math.min(1, (event.offsetX - LEFT) / (canvas.clientWidth - LEFT - RIGHT)));
+  const pulledTo = (event) => timeAt(Math.max(0, Math.min(1, (event.offsetX - LEFT) / (canvas.clientWidth - LEFT - RIGHT))));
   const barAt = (event) => {
-    const row = Math.floor((event.offsetY - CURVE - GAP) / barHeight() * nVertices);
-    return row >= 0 && row < nVertices ? byDeath[row] : null;
+    const share = (event.offsetY - CURVE - GAP) / barHeight();
+    return share >= 0 && share < 1 ? byDeath[rowAt(share)] : null;
   };
   let isPulling = false;
   canvas.addEventListener("pointerdown", (event) => {
     isPulling = true;
     canvas.setPointerCapture(event.pointerId);
-    change({ time: timeAt(event), hovered: null });
+    change({ time: pulledTo(event), hovered: null });
     showTip(null);
   });
   canvas.addEventListener("pointermove", (event) => {
-    if (isPulling) { change({ time: timeAt(event) }); return; }
+    if (isPulling) { change({ time: pulledTo(event) }); return; }
     const vertex = barAt(event);
     if (vertex === null) showTip(null);
     else {
-      const died = Number.isFinite(deaths[vertex]) ? `annexed at ${deaths[vertex].toFixed(2)}` : "outlives all";
+      const died = Number.isFinite(deaths[vertex]) ? `annexed at ${shownTime(deaths[vertex])}` : "outlives all";
       showTip(scansAt[vertex][0], event.clientX, event.clientY, died);
     }
     change({ hovered: vertex === null || rankOfVertex[vertex] < 0 ? null : rankOfVertex[vertex] });
@@ -42,36 +47,65 @@ function timelineFigure() {
   canvas.addEventListener("pointerup", release);
   canvas.addEventListener("pointercancel", release);
   canvas.addEventListener("pointerleave", () => { showTip(null); change({ hovered: null }); });
-  const epsilon = filtration.conceptTime;
   return element("figure", {}, element("h3", { textContent: "Annexations over time, and the barcode" }), canvas,
     element("figcaption", { textContent:
-      "Above: how many classes are annexed in each step of time. "
-      + (epsilon === null ? "" : `The concepts are taken at ε_max = ${epsilon.toFixed(2)}, the busiest step of all `
-        + "those that leave at least two concepts and none with more than half of the scans. ")
+      `Above: how many classes are annexed in each step of time. ${stopText()}`
       + "Below, one bar for each scan (persistent homology calls it the barcode of H₀): it lasts until its class is "
-      + "annexed by a larger one. Long bars are groups that hold their own." }));
+      + "annexed by a larger one. Long bars are groups that hold their own."
+      + (isCrowded ? " Their rows widen downwards, for those that last." : "")
+      + (isRatio ? " The axis of time is logarithmic: equal distances are equal ratios of time." : "") }));
+}
+
+// How the time of the concepts was chosen.
+function stopText() {
+  const time = filtration.conceptTime;
+  if (time === null) return "";
+  if (isBusiest) {
+    return `The concepts are taken at ε_max = ${shownTime(time)}, the busiest step of all `
+      + "those that leave at least two concepts and none with more than half of the scans. ";
+  }
+  const most = Math.max(Math.sqrt(nPlaced), 2), fewest = Math.max(most / 2, 2);
+  const range = `√n/2 to √n concepts of n scans, here ${Math.ceil(fewest)} to ${Math.floor(most)}`;
+  const candidates = concepts.length >= fewest && concepts.length <= most
+    ? `those with a fair number of concepts (${range})` : `those nearest to a fair number of concepts (${range})`;
+  return `The concepts are taken at time ${shownTime(time)}. What is there then stays as it is until ${shownTime(filtration.stateEnd)} `
+    + `(the orange band): in proportion to its time, the longest of ${candidates}. `;
 }
 
 function drawTimeline(canvas) {
   const width = canvas.clientWidth, height = canvas.clientHeight;
   if (!width) return;
   const context = sharpContext(canvas, width, height);
-  const x = (time) => LEFT + time * (width - LEFT - RIGHT);
+  const x = (time) => LEFT + position(time) * (width - LEFT - RIGHT);
   const top = CURVE + GAP;
   context.font = "11px system-ui, sans-serif";
   context.textBaseline = "middle";
-  drawCurve(context, x, width);
+  if (!isBusiest && filtration.stateEnd !== null) {
+    context.fillStyle = BAND;
+    context.fillRect(x(filtration.conceptTime), 14, x(filtration.stateEnd) - x(filtration.conceptTime), top + barHeight() - 14);
+  }
+  drawCurve(context, x);
   drawBars(context, x, top, barHeight(), width);
   context.fillStyle = "#5b6070";
   context.textAlign = "center";
-  for (let tenth = 0; tenth <= 10; tenth += width < 500 ? 5 : 1) {
-    context.fillText((tenth / 10).toFixed(1), x(tenth / 10), top + barHeight() + 12);
+  for (const [time, text] of ticks(44 / (width - LEFT - RIGHT))) {
+    context.fillText(text, x(time), top + barHeight() + 14);
+    context.fillRect(Math.round(x(time)), top + barHeight() + 2, 1, 4);
   }
-  context.fillText("time", x(0.5), top + barHeight() + 26);
+  context.fillText(isRatio ? "time (logarithmic)" : "time", (LEFT + width - RIGHT) / 2, top + barHeight() + 29);
+  context.textAlign = "right";
+  let free = 0;
+  for (const left of [nVertices, ...[1000, 500, 200, 100, 50, 20, 10, 5].filter((n) => n < nVertices)]) {
+    const y = top + rowTop(nVertices - left) * barHeight();
+    if (y < free || y > top + barHeight() - 10) continue;
+    context.fillText(left.toLocaleString("en"), LEFT - 6, y + 4);
+    free = y + 18;
+  }
+  context.textAlign = "center";
   context.save();
-  context.translate(10, top + barHeight() / 2);
+  context.translate(8, top + barHeight() / 2);
   context.rotate(-Math.PI / 2);
-  context.fillText(plural(nVertices, "class", "classes"), 0, 0);
+  context.fillText("classes left", 0, 0);
   context.restore();
   drawCursor(context, x, top);
 }
@@ -79,12 +113,11 @@ function drawTimeline(canvas) {
 function drawCurve(context, x) {
   const most = filtration.stepCounts.reduce((m, n) => Math.max(m, n), 1);
   const y = (count) => CURVE - count / most * (CURVE - 26);
-  const step = 1 / filtration.stepEnds.length;
-  const epsilon = filtration.conceptTime;
   filtration.stepEnds.forEach((end, i) => {
-    const isPeak = epsilon !== null && Math.abs(end - epsilon) < 1e-9;
-    context.fillStyle = isPeak ? ACCENT : end - step < state.time - 1e-9 ? "#7d8db0" : "#d3d7e0";
-    const left = x(end - step), right = x(end);
+    const start = i === 0 ? 0 : filtration.stepEnds[i - 1];
+    const isPeak = isBusiest && filtration.conceptTime !== null && Math.abs(end - filtration.conceptTime) < 1e-9;
+    context.fillStyle = isPeak ? ACCENT : start < state.time - 1e-9 ? "#7d8db0" : "#d3d7e0";
+    const left = x(start), right = x(end);
     context.fillRect(left, y(filtration.stepCounts[i]), Math.max(right - left - (right - left > 4 ? 1 : 0), 0.7), CURVE - y(filtration.stepCounts[i]));
   });
   context.strokeStyle = "#c9cbd1";
@@ -101,23 +134,24 @@ function drawCurve(context, x) {
 
 function drawBars(context, x, top, height, width) {
   const chosen = highlighted();
-  const pitch = height / nVertices;
-  const thickness = Math.max(pitch * (pitch > 3 ? 0.72 : 1), 0.35);
-  const bar = (vertex, thick) => {
+  const bar = (vertex, thinnest) => {
     const end = Number.isFinite(deaths[vertex]) ? x(deaths[vertex]) : width;
-    context.fillRect(x(0), top + (rowOf[vertex] + 0.5) * pitch - thick / 2, end - x(0), thick);
+    const [from, to] = [rowTop(rowOf[vertex]), rowTop(rowOf[vertex] + 1)];
+    const pitch = height * (to - from);
+    const thick = Math.max(Math.min(pitch * (pitch > 3 ? 0.72 : 1), 7), thinnest);
+    context.fillRect(x(0), top + height * (from + to) / 2 - thick / 2, end - x(0), thick);
   };
   context.globalAlpha = chosen === null ? 0.9 : 0.18;
   for (const vertex of byDeath) {
     context.fillStyle = vertexColour(vertex);
-    bar(vertex, thickness);
+    bar(vertex, 0.35);
   }
   context.globalAlpha = 1;
   if (chosen === null) return;
   for (const vertex of byDeath) {
     if (rankOfVertex[vertex] !== chosen) continue;
     context.fillStyle = vertexColour(vertex);
-    bar(vertex, Math.max(thickness, 1.6));
+    bar(vertex, 1.6);
   }
 }
 
@@ -132,13 +166,15 @@ function drawCursor(context, x, top) {
     context.stroke();
     context.setLineDash([]);
     context.font = "600 12px system-ui, sans-serif";
-    context.textAlign = time > 0.85 ? "right" : "left";
-    context.fillText(note, x(time) + (time > 0.85 ? -4 : 4), 8);
+    context.textAlign = position(time) > 0.85 ? "right" : "left";
+    context.fillText(note, x(time) + (position(time) > 0.85 ? -4 : 4), 8);
   };
-  const epsilon = filtration.conceptTime;
-  const isThere = epsilon !== null && Math.abs(state.time - epsilon) < 1e-9;
-  if (epsilon !== null) line(epsilon, [5, 4], 1.2, `ε_max ${epsilon.toFixed(2)}`);
-  if (!isThere) line(state.time, [], 2, epsilon !== null && Math.abs(epsilon - state.time) < 0.1 ? "" : state.time.toFixed(2));
+  const chosen = filtration.conceptTime;
+  if (chosen !== null) line(chosen, [5, 4], 1.2, stopName);
+  if (state.time !== chosen) {
+    const isNear = chosen !== null && Math.abs(position(chosen) - position(state.time)) < 0.1;
+    line(state.time, [], 2, isNear ? "" : shownTime(state.time));
+  }
   context.beginPath();
   context.arc(x(state.time), CURVE + GAP / 2, 7, 0, 2 * Math.PI);
   context.fillStyle = ACCENT;
