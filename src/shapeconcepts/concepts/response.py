@@ -114,18 +114,26 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         ValueError
             If X has another number of columns, or is not finite and non-negative.
         """
+        return mean_distances(self.distances(X), self.prototype_concepts_, len(self.classes_))
+
+    def distances(self, X: ArrayLike | spmatrix | sparray) -> NDArray[np.float64]:
+        """Distance of each row to each prototype, in the order of `prototypes_`.
+
+        Parameters and errors are those of `transform`.
+
+        Returns
+        -------
+        (m, p) float64
+            NaN in a row without any entry.
+        """
         check_is_fitted(self)
         rows = self._rows(X)
         if self.distance == "mahalanobis":
             distances = cdist(self._project(rows), self._project(self.prototypes_))
         else:
             distances = jensen_shannon_divergences(rows, self.prototypes_)
-        counts = np.bincount(self.prototype_concepts_, minlength=len(self.classes_))
-        # Row by row: summed over a whole matrix, the rounding of a row would depend on how many there are.
-        sums = [np.bincount(self.prototype_concepts_, row, len(counts)) for row in distances]
-        responses = np.array(sums).reshape(len(distances), len(counts)) / counts
-        responses[np.diff(rows.indptr) == 0] = np.nan
-        return responses
+        distances[np.diff(rows.indptr) == 0] = np.nan
+        return distances
 
     def predict(self, X: ArrayLike | spmatrix | sparray) -> NDArray[np.int64]:
         """Concept of the prototype of smallest Jensen-Shannon divergence, -1 where even that one is far.
@@ -178,6 +186,28 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         tags.input_tags.positive_only = True
         tags.target_tags.required = True
         return tags
+
+
+def mean_distances(
+    distances: NDArray[np.float64], concepts: NDArray[np.integer], n_concepts: int
+) -> NDArray[np.float64]:
+    """Mean distance to the prototypes of each concept (paper: equation 3).
+
+    Parameters
+    ----------
+    distances : (m, p) float64
+    concepts : (p,) int
+        Concept of each prototype, from 0; each has one at least.
+    n_concepts : int
+
+    Returns
+    -------
+    (m, n_concepts) float64
+    """
+    counts = np.bincount(concepts, minlength=n_concepts)
+    # Row by row: summed over a whole matrix, the rounding of a row would depend on how many there are.
+    sums = [np.bincount(concepts, row, n_concepts) for row in distances]
+    return np.array(sums).reshape(len(distances), n_concepts) / counts
 
 
 def _whitening(rows: csr_matrix, n_components: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

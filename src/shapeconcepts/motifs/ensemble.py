@@ -210,7 +210,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         (described,) = self._described([X])
         propagation = propagate(described, self.dictionary_)
         if self.columns == "prototypes":
-            return explain_by_prototypes(propagation, self.hierarchies_, self._field())
+            return explain_by_prototypes(propagation, self.hierarchies_, self.prototype_field_)
         return explain_propagation(propagation, self.hierarchies_, self.columns_, float(self.bandwidth))
 
     def get_feature_names_out(self, input_features: object = None) -> NDArray[np.object_]:
@@ -287,7 +287,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         # The kernels run without Python's lock, so threads do, and nothing is copied.
         rows: list[SparseRow]
         if self.columns == "prototypes":
-            rows = _in_chunks(prototype_rows, activations, self.n_jobs, "threads", self._field())
+            rows = _in_chunks(prototype_rows, activations, self.n_jobs, "threads", self.prototype_field_)
             return sparse_rows(rows, len(self.columns_))
         column_of = np.full(self.hierarchies_.n_vertices, -1, np.int32)
         column_of[self.columns_] = np.arange(len(self.columns_))
@@ -295,7 +295,10 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         rows = _in_chunks(stimuli_rows, activations, self.n_jobs, "threads", *known)
         return sparse_rows(rows, len(self.columns_))
 
-    def _field(self) -> PrototypeField:
+    @property
+    def prototype_field_(self) -> PrototypeField:
+        """The prototypes with their bandwidths, computed when they are first asked for."""
+        check_is_fitted(self, "hierarchies_")
         n_neighbours = self.n_neighbours or max(1, round(len(self.hierarchies_.prototypes) ** 0.5))
         if self._prototype_field is None or self._prototype_field.n_neighbours != n_neighbours:
             self._prototype_field = PrototypeField.of(self.hierarchies_, n_neighbours)

@@ -13,7 +13,6 @@ from shapeconcepts.motifs.ensemble import MotifHierarchyEnsemble
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.hierarchy_kernels import linked_vertices
 from shapeconcepts.motifs.propagation import Propagation, propagate
-from shapeconcepts.motifs.prototype_stimuli import PrototypeField
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 Pair = tuple[int, int]
@@ -125,7 +124,7 @@ def _prototype_stimuli(
 ) -> dict[int, float]:
     """Largest stimulus of a prototype at each vertex by a constellation that activates the vertex."""
     known = ensemble.hierarchies_
-    field = PrototypeField.of(known, ensemble.n_neighbours)
+    field = ensemble.prototype_field_
     activated = known.activated(propagation.words)
     stimuli = field.stimuli((propagation.histograms, activated, -1))
     vertices, homes = activated[:, dictionary_level - 1], field.vertices[:, dictionary_level - 1]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +25,15 @@ if TYPE_CHECKING:
 
 HEATS = ("separation", "geodesic")
 STOPS = ("lifetime", "annexations")
+
+
+class _Groups(NamedTuple):
+    """Groups at a time: of each vertex, of each object (-1: no place), and those that are large enough."""
+
+    n_groups: int
+    of_vertex: NDArray[np.int32]
+    of_object: NDArray[np.int32]
+    chosen: NDArray[np.int64]
 
 
 class Filtration(ClusterMixin, BaseEstimator):
@@ -244,6 +253,31 @@ class Filtration(ClusterMixin, BaseEstimator):
         ValueError
             If `time` is not between 0 and 1, or `min_size` is not a positive integer.
         """
+        groups = self._groups_at(time, min_size)
+        n_joined = int(np.searchsorted(self.times_, time, side="right"))
+        births = np.zeros(groups.n_groups)
+        np.maximum.at(births, groups.of_vertex[self.edges_[:n_joined, 0]], self.times_[:n_joined])
+        deaths = np.full(groups.n_groups, np.inf)
+        for end in self.edges_[n_joined:].T:
+            np.minimum.at(deaths, groups.of_vertex[end], self.times_[n_joined:])
+        members, starts = _members(groups.of_object, groups.n_groups)
+        medoids = self._medoids(groups.chosen, *_members(groups.of_vertex, groups.n_groups))
+        return [
+            Concept(members[starts[k] : starts[k + 1]], medoid, float(births[k]), float(deaths[k]))
+            for k, medoid in zip(groups.chosen.tolist(), medoids.tolist(), strict=True)
+        ]
+
+    def labels_at(self, time: float, min_size: int | None = None) -> NDArray[np.int32]:
+        """Number of each object's group at a time, in the order of `concepts_at`, -1 for none; (n,) int32.
+
+        Parameters and errors are those of `concepts_at`, which takes longer.
+        """
+        groups = self._groups_at(time, min_size)
+        number_of = np.full(groups.n_groups + 1, -1, np.int32)
+        number_of[groups.chosen] = np.arange(len(groups.chosen))
+        return number_of[groups.of_object]
+
+    def _groups_at(self, time: float, min_size: int | None) -> _Groups:
         check_is_fitted(self)
         if not 0 <= time <= 1:
             raise ValueError(f"time must be between 0 and 1, got {time!r}")
@@ -253,23 +287,13 @@ class Filtration(ClusterMixin, BaseEstimator):
         n_joined = int(np.searchsorted(self.times_, time, side="right"))
         joined = self.edges_[:n_joined]
         adjacency = coo_matrix((np.ones(n_joined), (joined[:, 0], joined[:, 1])), (n_vertices, n_vertices))
-        n_groups, group = connected_components(adjacency, directed=False)
-        births = np.zeros(n_groups)
-        np.maximum.at(births, group[joined[:, 0]], self.times_[:n_joined])
-        deaths = np.full(n_groups, np.inf)
-        for end in self.edges_[n_joined:].T:
-            np.minimum.at(deaths, group[end], self.times_[n_joined:])
+        n_groups, of_vertex = connected_components(adjacency, directed=False)
         # The last entry is for objects without a place, whose vertex is -1.
-        objects, starts = _members(np.append(group, -1)[self.space_.vertices_], n_groups)
-        sizes = np.diff(starts)
+        of_object = np.append(of_vertex, -1)[self.space_.vertices_]
+        sizes = np.bincount(of_object[of_object >= 0], minlength=n_groups)
         # Groups are numbered by their smallest vertex.
         largest_first = np.argsort(-sizes, kind="stable")
-        chosen = largest_first[sizes[largest_first] >= smallest]
-        medoids = self._medoids(chosen, *_members(group, n_groups))
-        return [
-            Concept(objects[starts[k] : starts[k + 1]], medoid, float(births[k]), float(deaths[k]))
-            for k, medoid in zip(chosen.tolist(), medoids.tolist(), strict=True)
-        ]
+        return _Groups(n_groups, of_vertex, of_object, largest_first[sizes[largest_first] >= smallest])
 
     def _medoids(
         self, groups: NDArray[np.int64], vertices: NDArray[np.int64], starts: NDArray[np.int64]

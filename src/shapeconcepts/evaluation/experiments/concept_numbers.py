@@ -33,7 +33,8 @@ class ConceptNumbers:
         times = np.unique(filtration.times)
         if len(times) > _MOST_TIMES:
             times = times[np.linspace(0, len(times) - 1, _MOST_TIMES).round().astype(int)]
-        sizes = [np.array([one.size for one in filtration.concepts_at(float(t), 2)], int) for t in times]
+        labels = [filtration.labels_at(float(time), 2) for time in times]
+        sizes = [np.bincount(one[one >= 0]) for one in labels]
         return cls(times, sizes)
 
     def at_least(self, min_size: int) -> NDArray[np.int64]:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from shapeconcepts.concepts import ConceptResponse
+from shapeconcepts.concepts.response import mean_distances
 from shapeconcepts.descriptors import DescribedObject
 from shapeconcepts.model import ShapeConceptModel
-from shapeconcepts.topology import Concept
 
 
 def fit(described: Sequence[DescribedObject], preset: str, **parameters: object) -> ShapeConceptModel:
@@ -22,34 +23,59 @@ def fit(described: Sequence[DescribedObject], preset: str, **parameters: object)
         return ShapeConceptModel.preset(preset, **parameters).fit(described)
 
 
-def concept_of_objects(concepts: Iterable[Concept], n_objects: int) -> NDArray[np.int64]:
-    """Number of each object's concept, -1 for none."""
-    number_of = np.full(n_objects, -1)
-    for number, concept in enumerate(concepts):
-        number_of[concept.members] = number
-    return number_of
+class ResponseDistances(NamedTuple):
+    """Distances to all training objects, from which the responses of any concepts follow.
 
-
-def concept_responses(
-    training: csr_matrix, test: csr_matrix, concept_of: NDArray[np.integer]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Responses of concepts to training and test objects.
-
-    Parameters
+    Attributes
     ----------
-    training, test : (n, c), (m, c) csr_matrix of float64
-        Stimuli. Those of a training object should leave its own prototypes out, as those of the model do
-        where it wants that: a test object has none.
-    concept_of : (n,) int
-        Concept of each training object, -1 for none.
-
-    Returns
-    -------
-    (n, k), (m, k) float64
-        NaN in the row of an object without any stimulus. Without any concept there is one column of zeros, by
-        which nothing can be told apart.
+    training, test : (n, p), (m, p) float64
+        To the p training objects that have a stimulus.
+    placed : (p,) int64
+        Which of the training objects these are.
     """
-    if (concept_of < 0).all():
-        return np.zeros((training.shape[0], 1)), np.zeros((test.shape[0], 1))
-    response = ConceptResponse().fit(training, concept_of)
-    return response.transform(training), response.transform(test)
+
+    training: NDArray[np.float64]
+    test: NDArray[np.float64]
+    placed: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, model: ShapeConceptModel, test: csr_matrix) -> ResponseDistances:
+        """Distances as the model's responses take them.
+
+        The rows of training objects leave their own prototypes out where the model wants that: a test object
+        has none.
+
+        Parameters
+        ----------
+        model : ShapeConceptModel
+        test : (m, c) csr_matrix of float64
+            Stimuli of test objects.
+        """
+        one_concept = np.zeros(model.stimuli_.shape[0], np.int64)
+        response = ConceptResponse(model.response_distance).fit(model.stimuli_, one_concept)
+        placed = np.flatnonzero(np.diff(model.stimuli_.indptr))
+        return cls(response.distances(model.stimuli_), response.distances(test), placed)
+
+    def responses(self, concept_of: NDArray[np.integer]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Responses of concepts to training and test objects.
+
+        Parameters
+        ----------
+        concept_of : (n,) int
+            Concept of each training object, -1 for none.
+
+        Returns
+        -------
+        (n, k), (m, k) float64
+            NaN in the row of an object without any stimulus. Without any concept there is one column of
+            zeros, by which nothing can be told apart.
+        """
+        concepts = concept_of[self.placed]
+        is_prototype = concepts >= 0
+        if not is_prototype.any():
+            return np.zeros((len(self.training), 1)), np.zeros((len(self.test), 1))
+        numbers, members = np.unique(concepts[is_prototype], return_inverse=True)
+        return (
+            mean_distances(self.training[:, is_prototype], members, len(numbers)),
+            mean_distances(self.test[:, is_prototype], members, len(numbers)),
+        )

@@ -11,11 +11,7 @@ from numpy.typing import NDArray
 from shapeconcepts.descriptors import DescribedObject
 from shapeconcepts.evaluation.classification import svm_errors
 from shapeconcepts.evaluation.experiments.concept_numbers import ConceptNumbers
-from shapeconcepts.evaluation.experiments.concept_responses import (
-    concept_of_objects,
-    concept_responses,
-    fit,
-)
+from shapeconcepts.evaluation.experiments.concept_responses import ResponseDistances, fit
 from shapeconcepts.evaluation.experiments.folds import stratified_folds
 from shapeconcepts.evaluation.experiments.unsupervised import by_label
 from shapeconcepts.evaluation.labelled_objects import LabelledObjects, Progress, run
@@ -131,6 +127,7 @@ def fold_surfaces(
     model = fit([described[i] for i in fitted], preset)
     stimuli = model.stimuli([described[i] for i in left_out])
     concept_numbers = ConceptNumbers.of(model.filtration_)
+    distances = ResponseDistances.of(model, stimuli)
     surfaces = Surfaces(*np.full((3, len(numbers), len(sizes)), np.nan))
     for i, number in enumerate(numbers):
         for j, size in enumerate(sizes):
@@ -138,7 +135,7 @@ def fold_surfaces(
             if concept_of is None:
                 continue
             scores = grouping_scores(concept_of, labels[fitted])
-            responses = concept_responses(model.stimuli_, stimuli, concept_of)
+            responses = distances.responses(concept_of)
             errors = svm_errors(responses[0], labels[fitted], responses[1], labels[left_out], "response")
             surfaces.purity[i, j] = scores.mean_purity
             surfaces.error[i, j] = np.mean(list(errors.values()))
@@ -191,20 +188,21 @@ def _test(
     concept_of = _concepts(model, ConceptNumbers.of(model.filtration_), number, size)
     if concept_of is None:
         # The folds had that many concepts, the whole training part has not: as the model would choose.
-        concept_of = concept_of_objects(model.concepts_, len(training))
-    responses = concept_responses(model.stimuli_, model.stimuli([described[i] for i in test]), concept_of)
+        concept_of = model.labels_
+    stimuli = model.stimuli([described[i] for i in test])
+    responses = ResponseDistances.of(model, stimuli).responses(concept_of)
     errors = svm_errors(responses[0], labels[training], responses[1], labels[test], "response")
     return TestPart(grouping_scores(concept_of, labels[training]), errors)
 
 
 def _concepts(
     model: ShapeConceptModel, concept_numbers: ConceptNumbers, number: int, size: int
-) -> NDArray[np.int64] | None:
+) -> NDArray[np.int32] | None:
     """Concept of each training object when there are `number` concepts; None where there never are."""
     time = concept_numbers.time_of(number, size)
     if time is None:
         return None
-    return concept_of_objects(model.filtration_.concepts_at(time, size), model.stimuli_.shape[0])
+    return model.filtration_.labels_at(time, size)
 
 
 def _mean(surfaces: Floats) -> Floats:

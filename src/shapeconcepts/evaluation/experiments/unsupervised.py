@@ -12,11 +12,7 @@ from numpy.typing import NDArray
 from shapeconcepts.descriptors import DescribedObject
 from shapeconcepts.evaluation.classification import svm_errors
 from shapeconcepts.evaluation.experiments.concept_numbers import ConceptNumbers
-from shapeconcepts.evaluation.experiments.concept_responses import (
-    concept_of_objects,
-    concept_responses,
-    fit,
-)
+from shapeconcepts.evaluation.experiments.concept_responses import ResponseDistances, fit
 from shapeconcepts.evaluation.labelled_objects import LabelledObjects, Progress, run
 from shapeconcepts.evaluation.metrics import GroupingScores, grouping_scores, purity, rank_score
 from shapeconcepts.evaluation.results import ClassificationRow, ConceptBar, FiltrationResult, SelectionResult
@@ -87,9 +83,9 @@ def select(
     """One repetition of `unsupervised_selection`."""
     training, test = split
     model = fit([described[i] for i in training], preset, **parameters)
-    concept_of = concept_of_objects(model.concepts_, len(training))
+    concept_of = model.labels_
     stimuli = model.stimuli([described[i] for i in test])
-    responses = concept_responses(model.stimuli_, stimuli, concept_of)
+    responses = ResponseDistances.of(model, stimuli).responses(concept_of)
     known, new = labels[training], labels[test]
     return Selection(
         grouping_scores(concept_of, known),
@@ -126,20 +122,7 @@ def _filtration(model: ShapeConceptModel) -> FiltrationResult:
         step_ends=step_ends,
         counts=counts,
         epsilon_max=filtration.epsilon_max,
-        concept_time=_concept_time(model),
+        concept_time=filtration.concept_time,
         times=numbers.times,
         n_concepts=numbers.at_least(model.min_concept_size),
     )
-
-
-def _concept_time(model: ShapeConceptModel) -> float | None:
-    """Time at which the groups of the filtration are the concepts of the model."""
-    members = sorted(concept.members.tolist() for concept in model.concepts_)
-    latest_birth = max((concept.birth for concept in model.concepts_), default=None)
-    for time in (model.filtration_.epsilon_max, latest_birth):
-        if time is not None and members == sorted(
-            concept.members.tolist()
-            for concept in model.filtration_.concepts_at(time, model.min_concept_size)
-        ):
-            return time
-    return None
