@@ -60,7 +60,7 @@ def neighbourhood_scale(
 ) -> float:
     """Divergence to the n-th nearest prototype of other objects, or to the last where there are fewer.
 
-    `others` is a buffer of the length of `divergences`. 0 where there is no other object.
+    At least 1e-5, and that where there is no other object. `others` is a buffer of the length of `divergences`.
     """
     n = 0
     for t in range(len(divergences)):
@@ -68,7 +68,7 @@ def neighbourhood_scale(
             others[n] = divergences[t]
             n += 1
     if n == 0:
-        return 0.0
+        return SMALLEST_SCALE
     k = min(n_neighbours, n) - 1
     return max(np.partition(others[:n], k)[k], SMALLEST_SCALE)
 
@@ -135,7 +135,7 @@ def prototype_stimuli(
     for t in range(len(stimuli)):
         d = stimuli[t]
         stimuli[t] = 0.0
-        if prototype_objects[t] == left_out or d * d > reach * scales[t]:
+        if prototype_objects[t] == left_out or d >= 1.0 or d * d > reach * scales[t]:
             continue
         n_shared = 1
         for level in range(n_levels):

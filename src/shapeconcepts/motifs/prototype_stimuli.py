@@ -12,7 +12,7 @@ from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.prototype_kernels import neighbourhood_scales, prototype_row, prototype_stimuli
 from shapeconcepts.motifs.stimuli import Activation, SparseRow
 
-# Sigma in parts of the divergence to the n-th neighbour.
+# Sigma in parts of the divergence to the N-th neighbour.
 WIDTH = 0.5
 SMALLEST_KERNEL = 1e-3
 
@@ -26,19 +26,22 @@ class PrototypeField:
         (1 + m) / (1 + n) * exp(-d(t, q)^2 / (2 * sigma_t * sigma_q)),
 
     where d is the squared Hellinger distance of their descriptions, sigma is half of the divergence d to the
-    n-th nearest prototype of other objects, and m of the n hierarchies give both the same motif.
+    N-th nearest prototype of other objects (the last where there are fewer; half of 1e-5 at least), and m of
+    the n hierarchies give both the same motif. Where they have nothing in common (d = 1, also without mass)
+    there is no stimulus.
 
     Attributes
     ----------
     roots : (b, p) float32
         Square roots of the prototypes' histograms.
     scales : (p,) float64
-        Divergence of each prototype to its n-th neighbour.
+        Divergence of each prototype to its N-th neighbour, at least 1e-5.
     vertices : (p, n) int32
         Motif vertex of each prototype in each hierarchy.
     objects : (p,) int32
         Training object of each prototype.
     n_neighbours : int
+        N.
     """
 
     roots: NDArray[np.float32]
