@@ -50,7 +50,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         Describes objects that come without a description.
     columns : {"prototypes", "motifs"}
         What a column of the stimuli stands for: one prototype, see `PrototypeField`; or a motif vertex with
-        the mean over its prototypes (the paper's equation 1).
+        the mean over its prototypes (the paper's equation 1). A change takes effect when more is learned.
     n_neighbours : int
         For "prototypes": the bandwidth around a prototype follows the divergence to its n-th neighbour.
     bandwidth : float
@@ -80,6 +80,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
     _training_stimuli: csr_matrix | None
     _stimuli_parameters: tuple[float, bool, int]
     _prototype_field: PrototypeField | None
+    _columns: str
 
     def __init__(
         self,
@@ -208,7 +209,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         self._check_parameters()
         (described,) = self._described([X])
         propagation = propagate(described, self.dictionary_)
-        if self.columns == "prototypes":
+        if self._columns == "prototypes":
             return explain_by_prototypes(propagation, self.hierarchies_, self._field())
         return explain_propagation(propagation, self.hierarchies_, self.columns_, float(self.bandwidth))
 
@@ -219,7 +220,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         motif of words 1 and 4 of dictionary level 3, first seen at motif level 2.
         """
         check_is_fitted(self, "hierarchies_")
-        if self.columns == "prototypes":
+        if self._columns == "prototypes":
             return np.array([self.hierarchies_.prototype_name(t) for t in self.columns_], dtype=object)
         return np.array([self.hierarchies_.name(vertex) for vertex in self.columns_], dtype=object)
 
@@ -245,9 +246,10 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         propagations = [propagate(one, dictionary) for one in described]
         self.hierarchies_ = hierarchies.with_objects(propagations, [one.name for one in described])
         self.dictionary_ = dictionary
+        self._columns = self.columns
         self.columns_ = (
             np.arange(len(self.hierarchies_.prototypes))
-            if self.columns == "prototypes"
+            if self._columns == "prototypes"
             else _supported_vertices(self.hierarchies_, self.min_support)
         )
         self._training_stimuli = self._prototype_field = None
@@ -285,7 +287,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
     def _stimuli(self, activations: list[Activation]) -> csr_matrix:
         # The kernels run without Python's lock, so threads do, and nothing is copied.
         rows: list[SparseRow]
-        if self.columns == "prototypes":
+        if self._columns == "prototypes":
             rows = _in_chunks(prototype_rows, activations, self.n_jobs, "threads", self._field())
             return sparse_rows(rows, len(self.columns_))
         column_of = np.full(self.hierarchies_.n_vertices, -1, np.int32)
