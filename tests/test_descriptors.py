@@ -174,7 +174,7 @@ def test_get_descriptor():
     assert all(isinstance(each, Descriptor) for each in [own, *DESCRIPTORS])
     for wrong in ("shot", 3, None, Own):
         with pytest.raises(
-            ValueError, match="descriptor must be one of 'fpfh', 'surflet' or have a describe"
+            ValueError, match="descriptor must be one of 'fpfh', 'surflet', 'surflet.fpfh' or have a describe"
         ):
             get_descriptor(wrong)
 

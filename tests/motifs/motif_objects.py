@@ -4,7 +4,7 @@ import copy
 import dataclasses
 import warnings
 from collections import Counter
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +13,9 @@ from motif_reference import SlowObject
 from shapeconcepts import DescribedObject, MotifHierarchyEnsemble, SegmentDictionary
 from shapeconcepts.descriptors import Description
 from shapeconcepts.segmentation import SegmentedObject
+
+# The paper's stimuli; those of single prototypes have tests of their own.
+MotifColumns = partial(MotifHierarchyEnsemble, columns="motifs")
 
 GRAPHS = ("random", "sparse", "chain", "star", "cycle", "complete", "tree", "spider", "two parts", "none")
 
@@ -222,7 +225,7 @@ def example() -> Example:
     objects = [described(one, f"object {index}") for index, one in enumerate(slow_objects)]
     train, new = objects[:24], objects[24:]
     dictionary = fit_dictionary(train, 3)
-    return Example(slow_objects, train, new, dictionary, MotifHierarchyEnsemble(dictionary).fit(train))
+    return Example(slow_objects, train, new, dictionary, MotifColumns(dictionary).fit(train))
 
 
 def snapshot(hierarchies) -> list:

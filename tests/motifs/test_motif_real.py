@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from motif_objects import assert_same_rows, rows_by_motif
+from motif_objects import MotifColumns, assert_same_rows, rows_by_motif
 from scipy.spatial.distance import cdist
 from scipy.spatial.transform import Rotation
 
@@ -32,7 +32,7 @@ def objects(scans):
 
 @pytest.fixture(scope="module", params=["surflet", "fpfh"])
 def model(request, objects) -> MotifHierarchyEnsemble:
-    return MotifHierarchyEnsemble(SegmentDictionary(5), request.param).fit(objects)
+    return MotifColumns(SegmentDictionary(5), request.param).fit(objects)
 
 
 def moved(scan: Scan, rng: np.random.Generator) -> Scan:
@@ -82,7 +82,7 @@ def test_row_is_the_same_alone_in_parts_and_with_more_jobs(model, objects):
     rows = model.transform(objects)
     for index in (0, 17, 48):
         assert_same_rows(model.transform([objects[index]]), rows[index])
-    parts = MotifHierarchyEnsemble(model.dictionary_, model.descriptor, n_jobs=2)
+    parts = MotifColumns(model.dictionary_, model.descriptor, n_jobs=2)
     parts.partial_fit(objects[:20]).partial_fit(objects[20:])
     assert parts.get_feature_names_out().tolist() == model.get_feature_names_out().tolist()
     assert_same_rows(parts.stimuli_, model.stimuli_)
@@ -116,7 +116,7 @@ def test_motifs_tell_shapes_apart(model, scans):
 def test_recorded_views_have_motifs(shared_data, category):
     files = sorted((shared_data / "restaurant_views" / category).iterdir())[:16:2]
     objects = [segment(read_scan(path)) for path in files]
-    model = MotifHierarchyEnsemble(SegmentDictionary(2)).fit(objects[:-2])
+    model = MotifColumns(SegmentDictionary(2), "surflet").fit(objects[:-2])
     assert (np.diff(model.stimuli_.indptr) > 0).all()
     rows = model.transform(objects[-2:])
     assert (np.diff(rows.indptr) > 0).all()

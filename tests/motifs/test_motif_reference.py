@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from motif_objects import (
     GRAPHS,
+    MotifColumns,
     described,
     fit_dictionary,
     kinds_of_segments,
@@ -18,7 +19,7 @@ from motif_objects import (
 from motif_reference import SlowEnsemble, SlowObject, TieError, jensen_shannon, prototypes_by_vertex
 from scipy.spatial.distance import jensenshannon
 
-from shapeconcepts import MotifHierarchyEnsemble, SegmentDictionary
+from shapeconcepts import SegmentDictionary
 
 
 def slow_twin(dictionary: SegmentDictionary, bandwidth: float) -> SlowEnsemble:
@@ -76,7 +77,7 @@ def compare(
         return 0, 0
     for one in train:
         slow.learn(one)
-    model = MotifHierarchyEnsemble(
+    model = MotifColumns(
         dictionary, bandwidth=bandwidth, leave_own_out=leave_own_out, min_support=min_support
     )
     model.fit([described(one) for one in train])
@@ -133,7 +134,7 @@ def test_motif_level_is_the_smallest_seen():
     dictionary = fit_dictionary([described(chain)], 1)
     for objects, level in (([spider], 6), ([chain], 5), ([spider, chain], 5), ([chain, spider], 5)):
         compare(objects, [chain, spider], dictionary, min_support=1)
-        model = MotifHierarchyEnsemble(dictionary, min_support=1).fit([described(one) for one in objects])
+        model = MotifColumns(dictionary, min_support=1).fit([described(one) for one in objects])
         assert model.get_feature_names_out()[-1] == f"d1 m{level} " + " ".join(["w0"] * 9)
 
 
