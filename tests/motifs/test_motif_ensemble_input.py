@@ -13,6 +13,7 @@ from sklearn.exceptions import NotFittedError
 
 from shapeconcepts import (
     DescribedObject,
+    MotifHierarchyEnsemble,
     Scan,
     SegmentDictionary,
 )
@@ -74,14 +75,19 @@ def test_any_positive_bandwidth(dictionary, train, bandwidth):
         ({"bandwidth": None}, "bandwidth must be a positive number, got None"),
         ({"min_support": 0}, "min_support must be an integer of at least 1, got 0"),
         ({"min_support": 1.5}, "min_support must be an integer of at least 1, got 1.5"),
-        ({"descriptor": "sift"}, "descriptor must be one of 'fpfh', 'surflet', 'surflet.fpfh' .* got 'sift'"),
+        ({"columns": "words"}, "columns must be one of 'prototypes', 'motifs', got 'words'"),
+        ({"n_neighbours": 0}, "n_neighbours must be an integer of at least 1, got 0"),
+        (
+            {"descriptor": "sift"},
+            r"one of 'fpfh', 'surflet', 'surflet\+fpfh' or .* got 'sift'",
+        ),
         ({"descriptor": None}, "descriptor must be one of .* got None"),
         ({"dictionary": SegmentDictionary(0)}, "n_levels must be an integer of at least 1, got 0"),
         ({"dictionary": SegmentDictionary(1, "L3")}, "metric must be one of"),
     ],
 )
 def test_wrong_parameters_are_refused(train, parameters, message):
-    model = MotifColumns(**parameters)
+    model = MotifHierarchyEnsemble(**{"columns": "motifs", **parameters})
     for learn in (model.fit, model.partial_fit, model.fit_transform):
         with pytest.raises(ValueError, match=message):
             learn(train)

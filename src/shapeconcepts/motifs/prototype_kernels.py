@@ -60,7 +60,7 @@ def neighbourhood_scale(
 ) -> float:
     """Divergence to the n-th nearest prototype of other objects, or to the last where there are fewer.
 
-    At least 1e-5, and that where there is no other object. `others` is a buffer of the length of `divergences`.
+    At least 1e-5, and that where there is no other object. `others` is a buffer as long as `divergences`.
     """
     n = 0
     for t in range(len(divergences)):
