@@ -155,8 +155,9 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         """Add objects to what was learned before; the dictionary stays as it is.
 
         The first call learns the dictionary, like `fit`. Learning in parts gives the same hierarchies as
-        learning all at once with the same dictionary. Columns can appear and move; what names a motif for
-        good is its dictionary level and its words.
+        learning all at once with the same dictionary. Columns of prototypes come behind those that are there;
+        columns of motifs can appear and move, and what names a motif for good is its dictionary level and its
+        words.
 
         Parameters, errors and result are those of `fit`.
         """
@@ -175,7 +176,8 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         Returns
         -------
         (n, c) csr_matrix of float64
-            Stimuli up to 1, without those that are next to nothing. A row is the same alone and among others.
+            Stimuli up to 1, without those that are next to nothing. Of "prototypes", a row sums to the share
+            of the object's constellations that remind of anything. A row is the same alone and among others.
 
         Raises
         ------
@@ -202,8 +204,9 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         Returns
         -------
         Explanation
-            The columns of its row in falling order of the stimulus, each with the constellation behind it and
-            the closest prototypes.
+            What fired, in falling order of the stimulus, each with the constellation behind it and the
+            prototypes that it resembles most: of "prototypes", an entry for each constellation; of "motifs",
+            for each column of the row.
         """
         check_is_fitted(self, "hierarchies_")
         self._check_parameters()
