@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.descriptors.described_object import describe
-from shapeconcepts.motifs.decomposition import decompose
+from shapeconcepts.motifs.decomposition import decompose, segments_in
 from shapeconcepts.motifs.ensemble import MotifHierarchyEnsemble
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.hierarchy_kernels import linked_vertices
@@ -33,7 +33,8 @@ class HierarchyExcerpt:
     activated : set of int
         Vertices that the object's constellations activate, shown or not.
     stimulus_of : dict of int to float
-        Stimulus of the activated vertices that are columns of the stimuli.
+        Stimulus of the activated vertices that are columns of the stimuli. Where columns are prototypes, the
+        largest stimulus of any prototype by the constellations that activate the vertex.
     links, steps : set of (int, int)
         Linked vertices of a level; vertices (lower, upper) such that in some training object the lower is one
         of two whose union makes the upper. Between shown vertices.
@@ -72,11 +73,16 @@ def excerpt_of(
     propagation = propagate(describe(segmented, ensemble.descriptor), ensemble.dictionary_)
     vertices = known.activated(propagation.words)[:, dictionary_level - 1]
     activated = {int(vertex) for vertex in vertices[vertices >= 0]}
-    stimulus_of = {
-        motif.vertex: motif.stimulus
-        for motif in ensemble.explain(segmented).motifs
-        if motif.dictionary_level == dictionary_level
+    vertex_of = {
+        segments_in(constellation): vertex
+        for constellation, vertex in zip(propagation.constellations.tolist(), vertices.tolist(), strict=True)
     }
+    stimulus_of: dict[int, float] = {}
+    for motif in ensemble.explain(segmented).motifs:
+        if ensemble.columns == "prototypes" or motif.dictionary_level == dictionary_level:
+            stimulus_of.setdefault(vertex_of[motif.segments], motif.stimulus)
+    # Constellations whose motif is unknown at this level.
+    stimulus_of.pop(-1, None)
 
     here = np.flatnonzero(known.dictionary_levels == dictionary_level)
     highest = max((int(known.motif_levels[vertex]) for vertex in activated), default=0)
