@@ -1,4 +1,4 @@
-"""What the benchmark commands share: where the data lies, and tables."""
+"""What the benchmark commands share: where the data lies, the ensembles to compare, and tables."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts import Scan, ScanError, datasets, read_scans
+from shapeconcepts import MotifHierarchyEnsemble, Scan, ScanError, datasets, read_scans
 
 # Folders of restaurant_views that hold another shape than their name says.
 RESTAURANT_SHAPES = {"cocacola": "can", "milk": "carton", "yogurt": "carton", "fork": "cutlery"}
@@ -47,6 +47,16 @@ def labelled_scans(parser: ArgumentParser, name: str) -> list[Scan]:
         return datasets.simulate(n_per_category=66, random_state=100)
     scans = scans_in(parser, SHARED_DATA / name)
     return [replace(scan, label=RESTAURANT_SHAPES.get(scan.label, scan.label)) for scan in scans]
+
+
+def ensembles() -> dict[str, MotifHierarchyEnsemble]:
+    """The default, motifs as columns under each descriptor, and the paper's, by name."""
+    return {
+        "default": MotifHierarchyEnsemble(),
+        "motifs as columns, surflet": MotifHierarchyEnsemble(descriptor="surflet", columns="motifs"),
+        "motifs as columns, fpfh": MotifHierarchyEnsemble(descriptor="fpfh", columns="motifs"),
+        "preset paper": MotifHierarchyEnsemble.preset("paper"),
+    }
 
 
 def percent(flags: Sequence[bool] | NDArray[np.bool_]) -> str:

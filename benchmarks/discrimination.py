@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.model_selection import StratifiedShuffleSplit
 
-from common import command, labelled_scans, print_table
+from common import command, ensembles, labelled_scans, print_table
 from shapeconcepts import DescribedObject, MotifHierarchyEnsemble, describe, segment
 from shapeconcepts.evaluation import svm_predictions
 
@@ -58,9 +58,8 @@ def main() -> None:
     parser.add_argument("--confusions", action="store_true", help="list what was taken for what")
     options = parser.parse_args()
     candidates = (
-        ("stimuli, default", "surflet", stimuli(MotifHierarchyEnsemble())),
-        ("stimuli, default with fpfh", "fpfh", stimuli(MotifHierarchyEnsemble(descriptor="fpfh"))),
-        ("stimuli, preset paper", "fpfh", stimuli(MotifHierarchyEnsemble.preset("paper"))),
+        *((f"stimuli, {name}", one.descriptor, stimuli(one)) for name, one in ensembles().items()),
+        ("whole object, surflet+fpfh", "surflet+fpfh", whole_object),
         ("whole object, surflet", "surflet", whole_object),
         ("whole object, mean FPFH", "fpfh", whole_object),
     )
@@ -69,7 +68,9 @@ def main() -> None:
         scans = labelled_scans(parser, data)
         labels = np.array([scan.label for scan in scans])
         segmented = [segment(scan) for scan in scans]
-        described = {name: [describe(one, name) for one in segmented] for name in ("fpfh", "surflet")}
+        described = {
+            name: [describe(one, name) for one in segmented] for name in {name for _, name, _ in candidates}
+        }
         for line, (name, descriptor, rows) in zip(table, candidates, strict=True):
             error, confusions = errors(described[descriptor], labels, rows, options.repeats)
             line.append(f"{np.mean(error):.1f} ± {np.std(error):.1f}")

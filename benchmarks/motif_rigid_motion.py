@@ -15,9 +15,9 @@ os.environ["OMP_NUM_THREADS"] = "1"
 
 import numpy as np
 
-from common import add_folder, command, percent, print_table, scans_in
+from common import add_folder, command, ensembles, percent, print_table, scans_in
 from rigid_motion import moved
-from shapeconcepts import MotifHierarchyEnsemble, segment
+from shapeconcepts import segment
 from shapeconcepts.topology import jensen_shannon_divergences
 
 
@@ -31,14 +31,13 @@ def main() -> None:
     originals = [segment(scan) for scan in scans]
     copies = [segment(moved(scan, generator)) for scan in scans]
     table = []
-    for descriptor in ("surflet", "fpfh"):
-        ensemble = MotifHierarchyEnsemble(descriptor=descriptor).fit(originals)
-        rows = ensemble.transform(originals)
+    for name, ensemble in ensembles().items():
+        rows = ensemble.fit(originals).transform(originals)
         divergences = jensen_shannon_divergences(ensemble.transform(copies), rows)
         own = np.diagonal(divergences)
         found = own <= divergences.min(axis=1) + 1e-12
         shared = (jensen_shannon_divergences(rows) < 1e-12).sum(axis=1) > 1
-        table.append([descriptor, len(scans), percent(found), percent(shared), f"{np.median(own):.1e}"])
+        table.append([name, len(scans), percent(found), percent(shared), f"{np.median(own):.1e}"])
     print_table(("", "scans", "found, %", "equal rows, %", "median divergence"), table)
 
 

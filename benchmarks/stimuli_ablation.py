@@ -2,9 +2,10 @@
 
     python benchmarks/stimuli_ablation.py [--repeats N] [--only SET ...]
 
-One choice at a time is changed: the levels of the dictionary, the metric of its words, the bandwidth, whether
-an object's own prototypes count, how many objects must support a motif. Splits, machine and error are those
-of discrimination.py.
+One choice at a time is changed, once from the default (a column is a prototype) and once with motifs as
+columns: the levels of the dictionary, the metric of its words, the descriptor, the bandwidth, whether an
+object's own prototypes count, how many objects must support a motif. Splits, machine and error are those of
+discrimination.py.
 """
 
 import os
@@ -19,18 +20,42 @@ from common import command, labelled_scans, print_table
 from discrimination import SETS, errors, stimuli
 from shapeconcepts import MotifHierarchyEnsemble, SegmentDictionary, describe, segment
 
+DESCRIPTORS = ("surflet+fpfh", "surflet", "fpfh")
+# What is changed in the dictionary, and in the ensemble.
 VARIANTS = (
     ("default", {}, {}),
     ("4 levels", {"n_levels": 4}, {}),
     ("6 levels", {"n_levels": 6}, {}),
     ("10 levels", {"n_levels": 10}, {}),
     ("words under L2", {"metric": "euclidean"}, {}),
-    ("4 levels, words under L2", {"n_levels": 4, "metric": "euclidean"}, {}),
-    ("bandwidth 0.025", {}, {"bandwidth": 0.025}),
-    ("bandwidth 0.05", {}, {"bandwidth": 0.05}),
-    ("bandwidth 0.2", {}, {"bandwidth": 0.2}),
+    ("surflet", {}, {"descriptor": "surflet"}),
+    ("fpfh", {}, {"descriptor": "fpfh"}),
+    ("5 neighbours", {}, {"n_neighbours": 5}),
+    ("10 neighbours", {}, {"n_neighbours": 10}),
+    ("40 neighbours", {}, {"n_neighbours": 40}),
     ("own prototypes count", {}, {"leave_own_out": False}),
-    ("every motif counts", {}, {"min_support": 1}),
+    ("motifs", {}, {"columns": "motifs"}),
+    *(
+        (
+            f"motifs, {descriptor}{name}",
+            dictionary,
+            {"columns": "motifs", "descriptor": descriptor, **changes},
+        )
+        for descriptor in ("surflet", "fpfh")
+        for name, dictionary, changes in (
+            ("", {}, {}),
+            (", 4 levels", {"n_levels": 4}, {}),
+            (", 6 levels", {"n_levels": 6}, {}),
+            (", 10 levels", {"n_levels": 10}, {}),
+            (", words under L2", {"metric": "euclidean"}, {}),
+            (", 4 levels, words under L2", {"n_levels": 4, "metric": "euclidean"}, {}),
+            (", bandwidth 0.025", {}, {"bandwidth": 0.025}),
+            (", bandwidth 0.05", {}, {"bandwidth": 0.05}),
+            (", bandwidth 0.2", {}, {"bandwidth": 0.2}),
+            (", own prototypes count", {}, {"leave_own_out": False}),
+            (", every motif counts", {}, {"min_support": 1}),
+        )
+    ),
 )
 
 
@@ -40,19 +65,18 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", choices=SETS, default=SETS, metavar="SET")
     options = parser.parse_args()
     warnings.simplefilter("ignore")
-    table = [[name, descriptor] for descriptor in ("surflet", "fpfh") for name, _, _ in VARIANTS]
+    table = [[name] for name, _, _ in VARIANTS]
     for data in options.only:
         scans = labelled_scans(parser, data)
         labels = np.array([scan.label for scan in scans])
         segmented = [segment(scan) for scan in scans]
-        lines = iter(table)
-        for descriptor in ("surflet", "fpfh"):
-            described = [describe(one, descriptor) for one in segmented]
-            for _, dictionary, ensemble in VARIANTS:
-                rows = stimuli(MotifHierarchyEnsemble(SegmentDictionary(**dictionary), **ensemble))
-                error, _ = errors(described, labels, rows, options.repeats)
-                next(lines).append(f"{np.mean(error):.1f}")
-    print_table(("mean error over labels, %", "descriptor", *options.only), table)
+        described = {name: [describe(one, name) for one in segmented] for name in DESCRIPTORS}
+        for line, (_, dictionary, changes) in zip(table, VARIANTS, strict=True):
+            ensemble = MotifHierarchyEnsemble(SegmentDictionary(**dictionary), **changes)
+            rows = stimuli(ensemble)
+            error, _ = errors(described[ensemble.descriptor], labels, rows, options.repeats)
+            line.append(f"{np.mean(error):.1f}")
+    print_table(("mean error over labels, %", *options.only), table)
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from shapeconcepts.descriptors import FPFH, Description, Descriptor, Surflet, get_descriptor
+from shapeconcepts.descriptors import FPFH, Description, Descriptor, Joint, Surflet, get_descriptor
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 DESCRIPTORS = [FPFH(), Surflet(), Surflet(scale="metric")]
@@ -170,11 +170,12 @@ def test_get_descriptor():
     own = Own()
     assert get_descriptor("fpfh") == FPFH()
     assert get_descriptor("surflet") == Surflet()
+    assert get_descriptor("surflet+fpfh") == Joint((Surflet(), FPFH()))
     assert get_descriptor(own) is own
     assert all(isinstance(each, Descriptor) for each in [own, *DESCRIPTORS])
     for wrong in ("shot", 3, None, Own):
         with pytest.raises(
-            ValueError, match="descriptor must be one of 'fpfh', 'surflet' or have a describe"
+            ValueError, match=r"one of 'fpfh', 'surflet', 'surflet\+fpfh' or have a describe method"
         ):
             get_descriptor(wrong)
 

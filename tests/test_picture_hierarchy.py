@@ -125,6 +125,29 @@ def test_links_and_steps_agree_with_the_definition(seed: int) -> None:
             assert set(motifs(excerpt.steps)) == visible_steps(all_steps)
 
 
+@pytest.mark.parametrize("columns", ["prototypes", "motifs"])
+@pytest.mark.parametrize("seed", range(3))
+def test_stimuli_are_those_of_the_explanation_at_every_level(columns: str, seed: int) -> None:
+    ensemble, objects = random_ensemble(seed, 20)
+    ensemble.set_params(columns=columns, bandwidth=0.3).fit(objects)
+    known, n_stimuli = ensemble.hierarchies_, 0
+    for one in objects[:6]:
+        motifs = ensemble.explain(one).motifs
+        words = ensemble.dictionary_.transform(ensemble.descriptor.histograms[one.name])
+        for level in (1, 2):
+            expected: dict[tuple[int, ...], float] = {}
+            for motif in motifs:
+                if columns == "prototypes" or motif.dictionary_level == level:
+                    key = tuple(sorted(words[list(motif.segments), level - 1].tolist()))
+                    expected[key] = max(motif.stimulus, expected.get(key, 0.0))
+            excerpt = excerpt_of(ensemble, one, level, 1000)
+            assert {known.motif(v): stimulus for v, stimulus in excerpt.stimulus_of.items()} == expected
+            assert excerpt.stimulus_of.keys() <= excerpt.activated
+            assert all(known.dictionary_levels[v] == level for v in excerpt.stimulus_of)
+            n_stimuli += len(expected)
+    assert n_stimuli > 30
+
+
 def test_activated_vertices_come_first_and_the_rest_is_counted() -> None:
     ensemble, objects = random_ensemble(3, 30, columns="motifs")
     known = ensemble.hierarchies_

@@ -4,15 +4,19 @@ import copy
 import dataclasses
 import warnings
 from collections import Counter
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple
 
 import numpy as np
+from hypothesis import strategies as st
 from motif_reference import SlowObject
 
 from shapeconcepts import DescribedObject, MotifHierarchyEnsemble, SegmentDictionary
 from shapeconcepts.descriptors import Description
 from shapeconcepts.segmentation import SegmentedObject
+
+# The paper's stimuli; those of single prototypes have tests of their own.
+MotifColumns = partial(MotifHierarchyEnsemble, columns="motifs")
 
 GRAPHS = ("random", "sparse", "chain", "star", "cycle", "complete", "tree", "spider", "two parts", "none")
 
@@ -93,6 +97,24 @@ def random_objects(
         )
         for _ in range(n_objects)
     ]
+
+
+@st.composite
+def adversarial_objects(draw) -> list[SlowObject]:
+    """Few bins, masses of small integers: equal histograms, empty ones, equal words everywhere."""
+    n_bins = draw(st.integers(1, 3))
+    masses = st.lists(st.sampled_from([0.0, 0.0, 1.0, 2.0, 5.0]), min_size=n_bins, max_size=n_bins)
+    objects = []
+    for _ in range(draw(st.integers(1, 4))):
+        n_segments = draw(st.integers(1, 5))
+        edge = st.tuples(st.integers(0, n_segments - 1), st.integers(0, n_segments - 1))
+        edges = draw(st.lists(edge.filter(lambda e: e[0] != e[1]), max_size=8)) if n_segments > 1 else []
+        pairs = {}
+        if draw(st.booleans()):
+            pairs = {tuple(sorted(e)): draw(masses) for e in edges}
+        segments = draw(st.lists(masses, min_size=n_segments, max_size=n_segments))
+        objects.append(SlowObject(segments, pairs, edges))
+    return objects
 
 
 def described(slow: SlowObject, name: str = "") -> DescribedObject:
@@ -222,7 +244,7 @@ def example() -> Example:
     objects = [described(one, f"object {index}") for index, one in enumerate(slow_objects)]
     train, new = objects[:24], objects[24:]
     dictionary = fit_dictionary(train, 3)
-    return Example(slow_objects, train, new, dictionary, MotifHierarchyEnsemble(dictionary).fit(train))
+    return Example(slow_objects, train, new, dictionary, MotifColumns(dictionary).fit(train))
 
 
 def snapshot(hierarchies) -> list:

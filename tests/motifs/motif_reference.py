@@ -159,3 +159,15 @@ def prototypes_by_vertex(slow: SlowEnsemble) -> dict[tuple, Counter]:
         motif: Counter((prototype.object_index, prototype.segments) for prototype in vertex.prototypes)
         for motif, vertex in slow.vertices.items()
     }
+
+
+def without_ties(slow: SlowEnsemble, objects: list[SlowObject]) -> list[SlowObject]:
+    """Objects whose words do not hang on rounding."""
+    kept = []
+    for one in objects:
+        try:
+            slow.words_of(one)
+        except TieError:
+            continue
+        kept.append(one)
+    return kept

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from motif_objects import (
+    MotifColumns,
     assert_same_rows,
     assert_unchanged,
     described,
@@ -63,9 +64,7 @@ def test_row_is_the_same_alone_and_in_any_batch(model, train, new):
 def test_number_of_jobs_does_not_matter(descriptor):
     objects = segmented_objects(30)
     models = [
-        MotifHierarchyEnsemble(SegmentDictionary(3), descriptor, bandwidth=0.3, n_jobs=n_jobs).fit(
-            objects[:20]
-        )
+        MotifColumns(SegmentDictionary(3), descriptor, bandwidth=0.3, n_jobs=n_jobs).fit(objects[:20])
         for n_jobs in (None, 1, 2)
     ]
     for other in models[1:]:
@@ -80,7 +79,7 @@ def test_number_of_jobs_does_not_matter(descriptor):
 
 def test_order_of_training_objects_does_not_matter(model, dictionary, train, new):
     order = np.random.default_rng(1).permutation(N_TRAIN)
-    other = MotifHierarchyEnsemble(dictionary).fit([train[i] for i in order])
+    other = MotifColumns(dictionary).fit([train[i] for i in order])
     assert other.get_feature_names_out().tolist() == model.get_feature_names_out().tolist()
     levels, prototypes, edges = learned(model.hierarchies_)
     other_levels, other_prototypes, other_edges = learned(other.hierarchies_)
@@ -94,8 +93,8 @@ def test_order_of_training_objects_does_not_matter(model, dictionary, train, new
 @few_words_are_no_news
 def test_order_of_training_objects_does_not_matter_to_a_learned_dictionary(train, new):
     order = np.random.default_rng(2).permutation(N_TRAIN)
-    a = MotifHierarchyEnsemble(SegmentDictionary(4)).fit(train)
-    b = MotifHierarchyEnsemble(SegmentDictionary(4)).fit([train[i] for i in order])
+    a = MotifColumns(SegmentDictionary(4)).fit(train)
+    b = MotifColumns(SegmentDictionary(4)).fit([train[i] for i in order])
     assert [w.tobytes() for w in a.dictionary_.words_] == [w.tobytes() for w in b.dictionary_.words_]
     assert a.get_feature_names_out().tolist() == b.get_feature_names_out().tolist()
     assert_same_rows(a.transform(new), b.transform(new))
@@ -125,7 +124,7 @@ def test_names_of_segments_do_not_matter(model, slow_objects):
 @given(cuts=st.sets(st.integers(1, N_TRAIN - 1)), ask_between=st.booleans())
 def test_learning_in_parts_is_learning_at_once(model, dictionary, train, new, cuts, ask_between):
     parts = np.split(np.arange(N_TRAIN), sorted(cuts))
-    other = MotifHierarchyEnsemble(dictionary)
+    other = MotifColumns(dictionary)
     for part in parts:
         other.partial_fit([train[i] for i in part])
         if ask_between:
@@ -139,31 +138,31 @@ def test_learning_in_parts_is_learning_at_once(model, dictionary, train, new, cu
 
 @few_words_are_no_news
 def test_first_part_learns_the_dictionary(train, new):
-    first = MotifHierarchyEnsemble(SegmentDictionary(3)).fit(train[:9])
-    parts = MotifHierarchyEnsemble(SegmentDictionary(3)).partial_fit(train[:9])
+    first = MotifColumns(SegmentDictionary(3)).fit(train[:9])
+    parts = MotifColumns(SegmentDictionary(3)).partial_fit(train[:9])
     learned_words = parts.dictionary_
     parts.partial_fit(train[9:])
     assert parts.dictionary_ is learned_words
     for a, b in zip(first.dictionary_.words_, learned_words.words_, strict=True):
         np.testing.assert_array_equal(a, b)
-    whole = MotifHierarchyEnsemble(first.dictionary_).fit(train)
+    whole = MotifColumns(first.dictionary_).fit(train)
     assert_same_learned(parts, whole)
     assert abs(parts.transform(new) - whole.transform(new)).max() < 1e-12
 
 
 def test_fit_forgets(model, dictionary, train, new):
-    again = MotifHierarchyEnsemble(dictionary).fit(new).fit(train)
+    again = MotifColumns(dictionary).fit(new).fit(train)
     assert_same_learned(again, model)
     assert_same_rows(again.stimuli_, model.stimuli_)
 
 
 def test_training_rows_leave_own_prototypes_out(model, dictionary, train):
     assert abs(model.stimuli_ - model.transform(train)).max() > 1e-3
-    left_in = MotifHierarchyEnsemble(dictionary, leave_own_out=False).fit(train)
+    left_in = MotifColumns(dictionary, leave_own_out=False).fit(train)
     assert_same_rows(left_in.stimuli_, left_in.transform(train))
     # Without a single training object, the others' hierarchies give its row.
     for index in (0, 5, 11):
-        others = MotifHierarchyEnsemble(dictionary, min_support=1).fit(train[:index] + train[index + 1 :])
+        others = MotifColumns(dictionary, min_support=1).fit(train[:index] + train[index + 1 :])
         (expected,) = rows_by_motif(others, others.transform([train[index]]))
         (actual,) = rows_by_motif(model, model.stimuli_[index])
         keys = motif_keys(model.hierarchies_)
@@ -173,7 +172,7 @@ def test_training_rows_leave_own_prototypes_out(model, dictionary, train):
 
 def test_support(dictionary, train):
     for min_support in (1, 2, 4, len(train) + 1):
-        model = MotifHierarchyEnsemble(dictionary, min_support=min_support).fit(train)
+        model = MotifColumns(dictionary, min_support=min_support).fit(train)
         support = np.diff(model.hierarchies_.prototypes_of.starts) * 0
         for motifs in model.hierarchies_.prototype_vertices.T:
             for vertex in np.unique(motifs):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from motif_objects import (
+    MotifColumns,
     assert_same_rows,
     described,
     fit_dictionary,
@@ -23,7 +24,7 @@ def test_object_without_any_match_has_an_empty_row(train):
     """A dictionary of two words, of which the training objects have one."""
     words = SegmentDictionary(1).fit([[1.0, 0, 0], [0.9, 0.1, 0], [0, 0, 1], [0, 0.1, 0.9]])
     known, unknown = [1.0, 0.1, 0.0], [0.0, 0.1, 1.0]
-    model = MotifHierarchyEnsemble(words).fit([described(SlowObject([known] * 2, {}, [(0, 1)]))] * 3)
+    model = MotifColumns(words).fit([described(SlowObject([known] * 2, {}, [(0, 1)]))] * 3)
     stranger = described(SlowObject([unknown] * 3, {}, [(0, 1), (1, 2)]))
     rows = model.transform([stranger, described(SlowObject([known, unknown], {}, [(0, 1)])), stranger])
     assert np.diff(rows.indptr).tolist() == [0, 1, 0]
@@ -35,7 +36,7 @@ def test_object_without_any_match_has_an_empty_row(train):
 def test_objects_without_mass(model):
     empty = described(SlowObject([[0.0] * 6] * 2, {}, [(0, 1)]))
     assert np.isfinite(model.transform([empty]).data).all()
-    only = MotifHierarchyEnsemble(fit_dictionary([empty], 1), bandwidth=0.5).fit([empty, empty])
+    only = MotifColumns(fit_dictionary([empty], 1), bandwidth=0.5).fit([empty, empty])
     # Nothing is as far from nothing as can be: divergence 1.
     np.testing.assert_allclose(only.stimuli_.toarray(), np.exp(-1 / (2 * 0.5**2)))
 
@@ -50,7 +51,7 @@ def test_edges_as_people_write_them(model, edges):
     one = DescribedObject(Description(np.ones((2, 6))), edges)
     expected = DescribedObject(Description(np.ones((2, 6))), np.array(edges, np.int32).reshape(-1, 2))
     assert_same_rows(model.transform([one]), model.transform([expected]))
-    twin = MotifHierarchyEnsemble(model.dictionary_).fit([one, one])
+    twin = MotifColumns(model.dictionary_).fit([one, one])
     n_edges = np.size(edges) // 2
     # Both segments have the same word: in each of the three hierarchies the one vertex is linked to itself.
     assert len(twin.hierarchies_.edges) == 3 * n_edges
@@ -58,7 +59,7 @@ def test_edges_as_people_write_them(model, edges):
 
 @pytest.mark.parametrize("bandwidth", [1e-200, 5e-324, 1e200, np.float32(0.1), 1])
 def test_any_positive_bandwidth(dictionary, train, bandwidth):
-    stimuli = MotifHierarchyEnsemble(dictionary, bandwidth=bandwidth).fit(train).stimuli_
+    stimuli = MotifColumns(dictionary, bandwidth=bandwidth).fit(train).stimuli_
     assert ((stimuli.data > 0) & (stimuli.data <= 1)).all()
     if float(bandwidth) == 1e200:
         np.testing.assert_array_equal(stimuli.data, 1)
@@ -74,14 +75,19 @@ def test_any_positive_bandwidth(dictionary, train, bandwidth):
         ({"bandwidth": None}, "bandwidth must be a positive number, got None"),
         ({"min_support": 0}, "min_support must be an integer of at least 1, got 0"),
         ({"min_support": 1.5}, "min_support must be an integer of at least 1, got 1.5"),
-        ({"descriptor": "sift"}, "descriptor must be one of 'fpfh', 'surflet' .* got 'sift'"),
+        ({"columns": "words"}, "columns must be one of 'prototypes', 'motifs', got 'words'"),
+        ({"n_neighbours": 0}, "n_neighbours must be an integer of at least 1, got 0"),
+        (
+            {"descriptor": "sift"},
+            r"one of 'fpfh', 'surflet', 'surflet\+fpfh' or .* got 'sift'",
+        ),
         ({"descriptor": None}, "descriptor must be one of .* got None"),
         ({"dictionary": SegmentDictionary(0)}, "n_levels must be an integer of at least 1, got 0"),
         ({"dictionary": SegmentDictionary(1, "L3")}, "metric must be one of"),
     ],
 )
 def test_wrong_parameters_are_refused(train, parameters, message):
-    model = MotifHierarchyEnsemble(**parameters)
+    model = MotifHierarchyEnsemble(**{"columns": "motifs", **parameters})
     for learn in (model.fit, model.partial_fit, model.fit_transform):
         with pytest.raises(ValueError, match=message):
             learn(train)
@@ -89,7 +95,7 @@ def test_wrong_parameters_are_refused(train, parameters, message):
 
 @pytest.mark.parametrize("parameters", [{"bandwidth": 0}, {"bandwidth": "a"}])
 def test_wrong_parameters_are_refused_after_learning(dictionary, train, parameters):
-    model = MotifHierarchyEnsemble(dictionary).fit(train).set_params(**parameters)
+    model = MotifColumns(dictionary).fit(train).set_params(**parameters)
     for call in (lambda: model.transform(train), lambda: model.explain(train[0]), lambda: model.stimuli_):
         with pytest.raises(ValueError, match="bandwidth must be a positive number"):
             call()
@@ -97,7 +103,7 @@ def test_wrong_parameters_are_refused_after_learning(dictionary, train, paramete
 
 @pytest.mark.parametrize("parameters", [{"bandwidth": 0.5}, {"leave_own_out": False}])
 def test_training_rows_do_not_depend_on_when_they_are_asked_for(dictionary, train, parameters):
-    asked, not_asked = (MotifHierarchyEnsemble(dictionary).fit(train) for _ in range(2))
+    asked, not_asked = (MotifColumns(dictionary).fit(train) for _ in range(2))
     assert asked.stimuli_.nnz > 0
     assert_same_rows(asked.set_params(**parameters).stimuli_, not_asked.set_params(**parameters).stimuli_)
 
@@ -120,7 +126,7 @@ def many_segments(n: int, n_bins: int = 6) -> DescribedObject:
     ids=["scan", "array", "text", "none", "17 segments", "no segments", "bins"],
 )
 def test_wrong_objects_are_refused(dictionary, train, X, message):
-    model = MotifHierarchyEnsemble(dictionary)
+    model = MotifColumns(dictionary)
     with pytest.raises(ValueError, match=message):
         model.fit(X)
     model.fit(train)
@@ -134,17 +140,17 @@ def test_wrong_objects_are_refused(dictionary, train, X, message):
 def test_different_numbers_of_bins_are_refused():
     objects = [many_segments(2), many_segments(2), many_segments(2, n_bins=5)]
     with pytest.raises(ValueError, match="bins"):
-        MotifHierarchyEnsemble(SegmentDictionary(1)).fit(objects)
+        MotifColumns(SegmentDictionary(1)).fit(objects)
 
 
 @pytest.mark.parametrize("learn", ["fit", "partial_fit", "fit_transform"])
 def test_nothing_to_learn_from_is_refused(dictionary, learn):
     with pytest.raises(ValueError, match="at least one object"):
-        getattr(MotifHierarchyEnsemble(dictionary), learn)([])
+        getattr(MotifColumns(dictionary), learn)([])
 
 
 def test_not_fitted(dictionary, train):
-    model = MotifHierarchyEnsemble(dictionary)
+    model = MotifColumns(dictionary)
     for call in (
         lambda: model.transform(train),
         lambda: model.transform([]),

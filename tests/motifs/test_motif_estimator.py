@@ -5,6 +5,7 @@ import pickle
 import numpy as np
 import pytest
 from motif_objects import (
+    MotifColumns,
     assert_same_rows,
     segmented_objects,
 )
@@ -26,18 +27,20 @@ few_words_are_no_news = pytest.mark.filterwarnings("ignore:.*different segment d
 
 @few_words_are_no_news
 def test_clone_and_parameters(dictionary, train):
-    model = MotifHierarchyEnsemble(SegmentDictionary(3), "fpfh", 0.2, False, 3, 2)
+    model = MotifHierarchyEnsemble(SegmentDictionary(3), "fpfh", "motifs", 7, 0.2, False, 3, 2)
     copied = clone(model.fit(train))
     parameters, expected = copied.get_params(), model.get_params()
     assert parameters.pop("dictionary").n_levels == expected.pop("dictionary").n_levels == 3
     assert parameters == expected
     assert expected == {
         "bandwidth": 0.2,
+        "columns": "motifs",
         "descriptor": "fpfh",
         "dictionary__metric": "hellinger",
         "dictionary__n_levels": 3,
         "leave_own_out": False,
         "min_support": 3,
+        "n_neighbours": 7,
         "n_jobs": 2,
     }
     assert not hasattr(copied, "hierarchies_") and not hasattr(copied, "stimuli_")
@@ -45,17 +48,17 @@ def test_clone_and_parameters(dictionary, train):
     assert copied.fit(train).hierarchies_.n_levels == 1
     assert not hasattr(model.dictionary, "words_"), "learning touched the parameter"
     # A dictionary learned elsewhere is used as it is, and survives a clone when it is frozen.
-    assert MotifHierarchyEnsemble(dictionary).fit(train).dictionary_ is dictionary
-    assert not hasattr(clone(MotifHierarchyEnsemble(dictionary)).dictionary, "words_")
-    frozen = clone(MotifHierarchyEnsemble(FrozenEstimator(dictionary))).fit(train)
-    assert_same_rows(frozen.stimuli_, MotifHierarchyEnsemble(dictionary).fit(train).stimuli_)
+    assert MotifColumns(dictionary).fit(train).dictionary_ is dictionary
+    assert not hasattr(clone(MotifColumns(dictionary)).dictionary, "words_")
+    frozen = clone(MotifColumns(FrozenEstimator(dictionary))).fit(train)
+    assert_same_rows(frozen.stimuli_, MotifColumns(dictionary).fit(train).stimuli_)
     assert frozen.explain(train[0]).motifs
 
 
 @few_words_are_no_news
 def test_in_a_pipeline(train, new):
     labels = np.array([one.n_segments > 2 for one in train])
-    ensemble = MotifHierarchyEnsemble(SegmentDictionary(2), bandwidth=0.3)
+    ensemble = MotifColumns(SegmentDictionary(2), bandwidth=0.3)
     pipeline = make_pipeline(ensemble, SVC(kernel="linear")).fit(train, labels)
     expected = SVC(kernel="linear").fit(ensemble.stimuli_, labels).predict(ensemble.transform(new))
     np.testing.assert_array_equal(pipeline.predict(new), expected)
@@ -65,7 +68,7 @@ def test_in_a_pipeline(train, new):
 
 def test_pickle(model, train, new):
     for asked in (False, True):
-        fresh = MotifHierarchyEnsemble(model.dictionary_).fit(train)
+        fresh = MotifColumns(model.dictionary_).fit(train)
         if asked:
             assert fresh.stimuli_.nnz and fresh.transform(new).nnz
         again = pickle.loads(pickle.dumps(fresh))
@@ -92,7 +95,7 @@ class Heights:
 @few_words_are_no_news
 def test_any_descriptor(n_jobs):
     objects = segmented_objects(16)
-    model = MotifHierarchyEnsemble(SegmentDictionary(2), Heights(), n_jobs=n_jobs).fit(objects[:12])
+    model = MotifColumns(SegmentDictionary(2), Heights(), n_jobs=n_jobs).fit(objects[:12])
     rows = model.transform(objects[12:])
     assert model.hierarchies_.prototypes.shape[1] == 5 and rows.nnz > 0
     assert_same_rows(rows, model.transform([describe(one, Heights()) for one in objects[12:]]))
@@ -104,7 +107,7 @@ def test_presets(train):
     assert MotifHierarchyEnsemble.preset("default").get_params() == MotifHierarchyEnsemble().get_params()
     paper = MotifHierarchyEnsemble.preset("paper")
     assert (paper.dictionary.n_levels, paper.dictionary.metric) == (4, "euclidean")
-    assert (paper.descriptor, paper.bandwidth) == ("fpfh", 0.025)
+    assert (paper.descriptor, paper.columns, paper.bandwidth) == ("fpfh", "motifs", 0.025)
     rows = paper.set_params(dictionary=SegmentDictionary(2, "euclidean")).fit_transform(train)
     # Nothing is left out: every object activates all its own vertices.
     assert_same_rows(rows, paper.transform(train))

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from motif_objects import described, fit_dictionary, kinds_of_segments, random_objects
+from motif_objects import MotifColumns, described, fit_dictionary, kinds_of_segments, random_objects
 from motif_reference import SlowEnsemble, SlowObject, decompose, jensen_shannon
 
 from shapeconcepts import MotifHierarchyEnsemble
@@ -23,7 +23,7 @@ def slow_objects() -> list[SlowObject]:
 @pytest.fixture(scope="module")
 def model(slow_objects) -> MotifHierarchyEnsemble:
     train = [described(one, f"object {index}") for index, one in enumerate(slow_objects[:N_TRAIN])]
-    return MotifHierarchyEnsemble(fit_dictionary(train, 3), bandwidth=BANDWIDTH).fit(train)
+    return MotifColumns(fit_dictionary(train, 3), bandwidth=BANDWIDTH).fit(train)
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +59,7 @@ def test_strongest_first_then_the_one_of_more_segments(model, slow_object):
 def test_equal_stimuli_are_ordered_by_number_of_segments():
     """Three objects that are all the same: every stimulus is 1."""
     one = described(SlowObject([[1.0, 0.0], [1.0, 0.0], [0.0, 1.0]], {}, [(0, 1), (1, 2)]))
-    explanation = MotifHierarchyEnsemble(fit_dictionary([one], 1)).fit([one] * 3).explain(one)
+    explanation = MotifColumns(fit_dictionary([one], 1)).fit([one] * 3).explain(one)
     assert [motif.stimulus for motif in explanation.motifs] == [1.0] * len(explanation.motifs)
     assert [len(motif.segments) for motif in explanation.motifs] == [3, 2, 2, 1, 1]
 

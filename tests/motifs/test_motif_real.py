@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from motif_objects import assert_same_rows, rows_by_motif
+from motif_objects import assert_same_rows
 from scipy.spatial.distance import cdist
 from scipy.spatial.transform import Rotation
 
@@ -30,9 +30,11 @@ def objects(scans):
     return [segment(scan) for scan in scans]
 
 
-@pytest.fixture(scope="module", params=["surflet", "fpfh"])
+@pytest.fixture(
+    scope="module", params=[("surflet", "motifs"), ("fpfh", "motifs"), ("surflet+fpfh", "prototypes")]
+)
 def model(request, objects) -> MotifHierarchyEnsemble:
-    return MotifHierarchyEnsemble(SegmentDictionary(5), request.param).fit(objects)
+    return MotifHierarchyEnsemble(SegmentDictionary(5), *request.param).fit(objects)
 
 
 def moved(scan: Scan, rng: np.random.Generator) -> Scan:
@@ -72,17 +74,15 @@ def test_order_of_points_does_not_matter(model, scans, objects):
     for index in range(0, len(scans), 6):
         order = rng.permutation(len(scans[index].points))
         scan = Scan(scans[index].points[order], viewpoint=scans[index].viewpoint)
-        (expected,) = rows_by_motif(model, model.transform([objects[index]]))
-        (actual,) = rows_by_motif(model, model.transform([segment(scan)]))
-        for motif in expected.keys() | actual.keys():
-            assert actual.get(motif, 0.0) == pytest.approx(expected.get(motif, 0.0), abs=1e-6), scan.name
+        expected, actual = (model.transform([one]).toarray() for one in (objects[index], segment(scan)))
+        np.testing.assert_allclose(actual, expected, rtol=0, atol=1e-6, err_msg=scan.name)
 
 
 def test_row_is_the_same_alone_in_parts_and_with_more_jobs(model, objects):
     rows = model.transform(objects)
     for index in (0, 17, 48):
         assert_same_rows(model.transform([objects[index]]), rows[index])
-    parts = MotifHierarchyEnsemble(model.dictionary_, model.descriptor, n_jobs=2)
+    parts = MotifHierarchyEnsemble(model.dictionary_, model.descriptor, model.columns, n_jobs=2)
     parts.partial_fit(objects[:20]).partial_fit(objects[20:])
     assert parts.get_feature_names_out().tolist() == model.get_feature_names_out().tolist()
     assert_same_rows(parts.stimuli_, model.stimuli_)
@@ -112,11 +112,12 @@ def test_motifs_tell_shapes_apart(model, scans):
     assert (labels[between.argmin(axis=1)] == labels).mean() > 0.5
 
 
+@pytest.mark.parametrize("parameters", [{"descriptor": "surflet", "columns": "motifs"}, {}], ids=str)
 @pytest.mark.parametrize("category", ["milk", "bowl"])
-def test_recorded_views_have_motifs(shared_data, category):
+def test_recorded_views_have_motifs(shared_data, category, parameters):
     files = sorted((shared_data / "restaurant_views" / category).iterdir())[:16:2]
     objects = [segment(read_scan(path)) for path in files]
-    model = MotifHierarchyEnsemble(SegmentDictionary(2)).fit(objects[:-2])
+    model = MotifHierarchyEnsemble(SegmentDictionary(2), **parameters).fit(objects[:-2])
     assert (np.diff(model.stimuli_.indptr) > 0).all()
     rows = model.transform(objects[-2:])
     assert (np.diff(rows.indptr) > 0).all()

@@ -6,6 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from motif_objects import (
     GRAPHS,
+    MotifColumns,
+    adversarial_objects,
     described,
     fit_dictionary,
     kinds_of_segments,
@@ -15,26 +17,14 @@ from motif_objects import (
     rows_by_motif,
     segments_of,
 )
-from motif_reference import SlowEnsemble, SlowObject, TieError, jensen_shannon, prototypes_by_vertex
+from motif_reference import SlowEnsemble, SlowObject, jensen_shannon, prototypes_by_vertex, without_ties
 from scipy.spatial.distance import jensenshannon
 
-from shapeconcepts import MotifHierarchyEnsemble, SegmentDictionary
+from shapeconcepts import SegmentDictionary
 
 
 def slow_twin(dictionary: SegmentDictionary, bandwidth: float) -> SlowEnsemble:
     return SlowEnsemble([words.tolist() for words in dictionary.words_], dictionary.metric, bandwidth)
-
-
-def without_ties(slow: SlowEnsemble, objects: list[SlowObject]) -> list[SlowObject]:
-    """Objects whose words do not hang on rounding."""
-    kept = []
-    for one in objects:
-        try:
-            slow.words_of(one)
-        except TieError:
-            continue
-        kept.append(one)
-    return kept
 
 
 def assert_same_hierarchies(hierarchies, slow: SlowEnsemble, objects: list[SlowObject]) -> None:
@@ -76,7 +66,7 @@ def compare(
         return 0, 0
     for one in train:
         slow.learn(one)
-    model = MotifHierarchyEnsemble(
+    model = MotifColumns(
         dictionary, bandwidth=bandwidth, leave_own_out=leave_own_out, min_support=min_support
     )
     model.fit([described(one) for one in train])
@@ -133,26 +123,8 @@ def test_motif_level_is_the_smallest_seen():
     dictionary = fit_dictionary([described(chain)], 1)
     for objects, level in (([spider], 6), ([chain], 5), ([spider, chain], 5), ([chain, spider], 5)):
         compare(objects, [chain, spider], dictionary, min_support=1)
-        model = MotifHierarchyEnsemble(dictionary, min_support=1).fit([described(one) for one in objects])
+        model = MotifColumns(dictionary, min_support=1).fit([described(one) for one in objects])
         assert model.get_feature_names_out()[-1] == f"d1 m{level} " + " ".join(["w0"] * 9)
-
-
-@st.composite
-def adversarial_objects(draw) -> list[SlowObject]:
-    """Few bins, masses of small integers: equal histograms, empty ones, equal words everywhere."""
-    n_bins = draw(st.integers(1, 3))
-    masses = st.lists(st.sampled_from([0.0, 0.0, 1.0, 2.0, 5.0]), min_size=n_bins, max_size=n_bins)
-    objects = []
-    for _ in range(draw(st.integers(1, 4))):
-        n_segments = draw(st.integers(1, 5))
-        edge = st.tuples(st.integers(0, n_segments - 1), st.integers(0, n_segments - 1))
-        edges = draw(st.lists(edge.filter(lambda e: e[0] != e[1]), max_size=8)) if n_segments > 1 else []
-        pairs = {}
-        if draw(st.booleans()):
-            pairs = {tuple(sorted(e)): draw(masses) for e in edges}
-        segments = draw(st.lists(masses, min_size=n_segments, max_size=n_segments))
-        objects.append(SlowObject(segments, pairs, edges))
-    return objects
 
 
 @settings(max_examples=100, deadline=None)

@@ -30,8 +30,10 @@ class Joint:
         Raises
         ------
         ValueError
-            As the descriptors do.
+            If there are no descriptors, and as they do.
         """
+        if not self.descriptors:
+            raise ValueError("descriptors must hold at least one descriptor, got none")
         parts = [descriptor.describe(segmented) for descriptor in self.descriptors]
         widths = [part.n_bins for part in parts]
         ends = np.cumsum(widths).tolist()

@@ -116,7 +116,7 @@ def _ensemble(
         prototype_constellations=tensors["prototypes.constellations"],
         object_names=tuple(name for i, name in enumerate(description["scan_names"]) if i not in skipped),
     )
-    ensemble.columns_ = tensors["stimuli.sources"]
+    ensemble._columns, ensemble.columns_ = ensemble.columns, tensors["stimuli.sources"]
     ensemble._training_stimuli = ensemble._prototype_field = None
     return ensemble
 

@@ -50,7 +50,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         Describes objects that come without a description.
     columns : {"prototypes", "motifs"}
         What a column of the stimuli stands for: one prototype, see `PrototypeField`; or a motif vertex with
-        the mean over its prototypes (the paper's equation 1).
+        the mean over its prototypes (the paper's equation 1). A change takes effect when more is learned.
     n_neighbours : int or None
         For "prototypes": the bandwidth around a prototype follows the divergence to its n-th neighbour. None:
         the square root of the number of prototypes.
@@ -81,6 +81,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
     _training_stimuli: csr_matrix | None
     _stimuli_parameters: tuple[float, bool, int | None]
     _prototype_field: PrototypeField | None
+    _columns: str
 
     def __init__(
         self,
@@ -155,8 +156,9 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         """Add objects to what was learned before; the dictionary stays as it is.
 
         The first call learns the dictionary, like `fit`. Learning in parts gives the same hierarchies as
-        learning all at once with the same dictionary. Columns can appear and move; what names a motif for
-        good is its dictionary level and its words.
+        learning all at once with the same dictionary. Columns of prototypes come behind those that are there;
+        columns of motifs can appear and move, and what names a motif for good is its dictionary level and its
+        words.
 
         Parameters, errors and result are those of `fit`.
         """
@@ -175,7 +177,8 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         Returns
         -------
         (n, c) csr_matrix of float64
-            Stimuli up to 1, without those that are next to nothing. A row is the same alone and among others.
+            Stimuli up to 1, without those that are next to nothing. Of "prototypes", a row sums to the share
+            of the object's constellations that remind of anything. A row is the same alone and among others.
 
         Raises
         ------
@@ -202,14 +205,15 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         Returns
         -------
         Explanation
-            The columns of its row in falling order of the stimulus, each with the constellation behind it and
-            the closest prototypes.
+            What fired, in falling order of the stimulus, each with the constellation behind it and the
+            prototypes that it resembles most: of "prototypes", an entry for each constellation; of "motifs",
+            for each column of the row.
         """
         check_is_fitted(self, "hierarchies_")
         self._check_parameters()
         (described,) = self._described([X])
         propagation = propagate(described, self.dictionary_)
-        if self.columns == "prototypes":
+        if self._columns == "prototypes":
             return explain_by_prototypes(propagation, self.hierarchies_, self.prototype_field_)
         return explain_propagation(propagation, self.hierarchies_, self.columns_, float(self.bandwidth))
 
@@ -220,7 +224,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         motif of words 1 and 4 of dictionary level 3, first seen at motif level 2.
         """
         check_is_fitted(self, "hierarchies_")
-        if self.columns == "prototypes":
+        if self._columns == "prototypes":
             return np.array([self.hierarchies_.prototype_name(t) for t in self.columns_], dtype=object)
         return np.array([self.hierarchies_.name(vertex) for vertex in self.columns_], dtype=object)
 
@@ -246,9 +250,10 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         propagations = [propagate(one, dictionary) for one in described]
         self.hierarchies_ = hierarchies.with_objects(propagations, [one.name for one in described])
         self.dictionary_ = dictionary
+        self._columns = self.columns
         self.columns_ = (
             np.arange(len(self.hierarchies_.prototypes))
-            if self.columns == "prototypes"
+            if self._columns == "prototypes"
             else _supported_vertices(self.hierarchies_, self.min_support)
         )
         self._training_stimuli = self._prototype_field = None
@@ -286,7 +291,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
     def _stimuli(self, activations: list[Activation]) -> csr_matrix:
         # The kernels run without Python's lock, so threads do, and nothing is copied.
         rows: list[SparseRow]
-        if self.columns == "prototypes":
+        if self._columns == "prototypes":
             rows = _in_chunks(prototype_rows, activations, self.n_jobs, "threads", self.prototype_field_)
             return sparse_rows(rows, len(self.columns_))
         column_of = np.full(self.hierarchies_.n_vertices, -1, np.int32)

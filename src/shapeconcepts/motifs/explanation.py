@@ -60,7 +60,8 @@ class FiredMotif:
     n_prototypes : int
         Number of prototypes that the stimulus is the mean over, or that are stimulated.
     closest : tuple of SimilarPrototype
-        The prototypes of smallest divergence, at most 5, each training object once.
+        The prototypes of smallest divergence, at most 5, each training object once. Where columns are single
+        prototypes, those of largest stimulus.
     """
 
     column: int
@@ -142,15 +143,16 @@ def explain_by_prototypes(
     prototype that it stimulates most; without any, it has level 0 and no words.
     """
     activated = hierarchies.activated(propagation.words)
-    stimuli = field.stimuli((propagation.histograms, activated, -1))
     motifs = []
-    for constellation, row in enumerate(stimuli):
-        strongest = int(row.argmax()) if len(row) else -1
-        if strongest < 0 or row[strongest] == 0:
+    for constellation, histogram in enumerate(propagation.histograms):
+        stimuli = field.stimuli(histogram, activated[constellation])
+        stimulated = np.flatnonzero(stimuli)
+        if len(stimulated) == 0:
             continue
+        behind = stimulated[np.argsort(-stimuli[stimulated], kind="stable")]
+        strongest = int(behind[0])
         shared = np.flatnonzero(activated[constellation] == hierarchies.prototype_vertices[strongest])
         vertex = int(activated[constellation, shared[-1]]) if len(shared) else -1
-        behind = np.argsort(-row, kind="stable")[: np.count_nonzero(row)].astype(np.int32)
         motifs.append(
             FiredMotif(
                 column=strongest,
@@ -159,10 +161,10 @@ def explain_by_prototypes(
                 dictionary_level=int(hierarchies.dictionary_levels[vertex]) if vertex >= 0 else 0,
                 motif_level=int(propagation.motif_levels[constellation]),
                 words=hierarchies.motif(vertex) if vertex >= 0 else (),
-                stimulus=float(row[strongest]),
+                stimulus=float(stimuli[strongest]),
                 segments=segments_in(int(propagation.constellations[constellation])),
                 n_prototypes=len(behind),
-                closest=_closest(propagation.histograms[constellation], behind, hierarchies),
+                closest=_similar_prototypes(histogram, behind, hierarchies),
             )
         )
     motifs.sort(key=lambda motif: (-motif.stimulus, -len(motif.segments), motif.column))
@@ -184,6 +186,8 @@ def _fired_motif(
 ) -> FiredMotif:
     starts, prototypes = hierarchies.prototypes_of
     behind = prototypes[starts[vertex] : starts[vertex + 1]]
+    histogram = propagation.histograms[constellation]
+    nearest_first = np.argsort(_divergences(histogram, behind, hierarchies), kind="stable")
     return FiredMotif(
         column=column,
         vertex=vertex,
@@ -194,27 +198,38 @@ def _fired_motif(
         stimulus=stimulus,
         segments=segments_in(int(propagation.constellations[constellation])),
         n_prototypes=len(behind),
-        closest=_closest(propagation.histograms[constellation], behind, hierarchies),
+        closest=_similar_prototypes(histogram, behind[nearest_first], hierarchies),
     )
 
 
-def _closest(
-    histogram: NDArray[np.float32], behind: NDArray[np.int32], hierarchies: MotifHierarchies
+def _similar_prototypes(
+    histogram: NDArray[np.float32], ranked: NDArray[np.integer], hierarchies: MotifHierarchies
 ) -> tuple[SimilarPrototype, ...]:
-    entropy = negative_entropies(histogram[None])[0]
-    divergences = divergences_to(
-        histogram, entropy, behind, hierarchies.prototypes, hierarchies.prototype_entropies
+    """The first of ranked prototypes, each training object once."""
+    objects, first = np.unique(hierarchies.prototype_objects[ranked], return_index=True)
+    best = np.argsort(first)[:N_CLOSEST]
+    chosen = ranked[first[best]]
+    divergences = _divergences(histogram, chosen, hierarchies)
+    return tuple(
+        SimilarPrototype(
+            index,
+            hierarchies.object_names[index],
+            segments_in(int(hierarchies.prototype_constellations[prototype])),
+            divergence,
+        )
+        for index, prototype, divergence in zip(
+            objects[best].tolist(), chosen.tolist(), divergences.tolist(), strict=True
+        )
     )
-    closest: dict[int, SimilarPrototype] = {}
-    for k in np.argsort(divergences, kind="stable"):
-        index = int(hierarchies.prototype_objects[behind[k]])
-        if index not in closest:
-            closest[index] = SimilarPrototype(
-                index,
-                hierarchies.object_names[index],
-                segments_in(int(hierarchies.prototype_constellations[behind[k]])),
-                float(divergences[k]),
-            )
-        if len(closest) == N_CLOSEST:
-            break
-    return tuple(closest.values())
+
+
+def _divergences(
+    histogram: NDArray[np.float32], which: NDArray[np.integer], hierarchies: MotifHierarchies
+) -> NDArray[np.float64]:
+    return divergences_to(
+        histogram,
+        negative_entropies(histogram[None])[0],
+        which.astype(np.int32),
+        hierarchies.prototypes,
+        hierarchies.prototype_entropies,
+    )

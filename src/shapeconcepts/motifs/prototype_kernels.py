@@ -8,6 +8,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.motifs.stimulus_kernels import ONE
+
 # Divergences closer than this are the rounding of equal histograms.
 SMALLEST_SCALE = 1e-5
 
@@ -27,14 +29,23 @@ def hellinger_divergences(
     divergences : (p,) float64, output
         0 (same) to 1 (nothing in common).
     """
-    n = prototype_roots.shape[1]
+    n_bins, n = prototype_roots.shape
     for t in range(n):
         divergences[t] = 1.0
-    for b in range(len(root)):
-        if root[b] > 0.0:
-            share = np.float64(root[b])
-            for t in range(n):
-                divergences[t] -= share * np.float64(prototype_roots[b, t])
+    # Four bins in one pass load and store each divergence once; the sum is that of one bin after the other.
+    in_fours = n_bins - n_bins % 4
+    for b in range(0, in_fours, 4):
+        r0, r1 = np.float64(root[b]), np.float64(root[b + 1])
+        r2, r3 = np.float64(root[b + 2]), np.float64(root[b + 3])
+        for t in range(n):
+            d = divergences[t] - r0 * np.float64(prototype_roots[b, t])
+            d -= r1 * np.float64(prototype_roots[b + 1, t])
+            d -= r2 * np.float64(prototype_roots[b + 2, t])
+            divergences[t] = d - r3 * np.float64(prototype_roots[b + 3, t])
+    for b in range(in_fours, n_bins):
+        r0 = np.float64(root[b])
+        for t in range(n):
+            divergences[t] -= r0 * np.float64(prototype_roots[b, t])
     for t in range(n):
         divergences[t] = max(divergences[t], 0.0)
 
@@ -49,7 +60,7 @@ def neighbourhood_scale(
 ) -> float:
     """Divergence to the n-th nearest prototype of other objects, or to the last where there are fewer.
 
-    `others` is a buffer of the length of `divergences`. 0 where there is no other object.
+    At least 1e-5, and that where there is no other object. `others` is a buffer as long as `divergences`.
     """
     n = 0
     for t in range(len(divergences)):
@@ -57,7 +68,7 @@ def neighbourhood_scale(
             others[n] = divergences[t]
             n += 1
     if n == 0:
-        return 0.0
+        return SMALLEST_SCALE
     k = min(n_neighbours, n) - 1
     return max(np.partition(others[:n], k)[k], SMALLEST_SCALE)
 
@@ -78,7 +89,7 @@ def neighbourhood_scales(
 
 @njit(cache=True, nogil=True)
 def prototype_stimuli(
-    roots: NDArray[np.float32],
+    root: NDArray[np.float32],
     activated: NDArray[np.int32],
     prototype_roots: NDArray[np.float32],
     prototype_vertices: NDArray[np.int32],
@@ -88,15 +99,17 @@ def prototype_stimuli(
     n_neighbours: int,
     width: float,
     smallest: float,
-) -> NDArray[np.float64]:
-    """Stimulus of each prototype by each constellation of an object.
+    stimuli: NDArray[np.float64],
+    others: NDArray[np.float64],
+) -> None:
+    """Stimulus of each prototype by one constellation of an object.
 
     Parameters
     ----------
-    roots : (k, b) float32
-        Square roots of the constellations' histograms.
-    activated : (k, n) int32
-        Vertex that each constellation activates in each hierarchy, -1 for none.
+    root : (b,) float32
+        Square roots of the constellation's histogram.
+    activated : (n,) int32
+        Vertex that it activates in each hierarchy, -1 for none.
     prototype_roots : (b, p) float32
     prototype_vertices : (p, n) int32
     prototype_objects : (p,) int32
@@ -109,30 +122,73 @@ def prototype_stimuli(
         Bandwidth in parts of the scales.
     smallest : float
         Stimuli under this are 0.
-
-    Returns
-    -------
-    (k, p) float64
+    stimuli : (p,) float64, output
+        0 to 1.
+    others : (p,) float64
+        Buffer.
     """
-    n_constellations, n_levels = activated.shape
-    n = prototype_roots.shape[1]
-    stimuli = np.zeros((n_constellations, n))
-    divergences, others = np.empty(n), np.empty(n)
+    n_levels = len(activated)
+    hellinger_divergences(root, prototype_roots, stimuli)
+    scale = neighbourhood_scale(stimuli, prototype_objects, left_out, n_neighbours, others)
+    # Beyond this the kernel is under `smallest` whatever the words.
+    reach = -2.0 * math.log(smallest) * width * width * scale
+    for t in range(len(stimuli)):
+        d = stimuli[t]
+        stimuli[t] = 0.0
+        if prototype_objects[t] == left_out or d >= 1.0 or d * d > reach * scales[t]:
+            continue
+        n_shared = 1
+        for level in range(n_levels):
+            if activated[level] == prototype_vertices[t, level]:
+                n_shared += 1
+        kernel = math.exp(-0.5 * d * d / (width * width * scale * scales[t]))
+        stimulus = kernel * n_shared / (n_levels + 1)
+        if stimulus >= smallest:
+            stimuli[t] = stimulus
+
+
+@njit(cache=True, nogil=True)
+def prototype_row(
+    roots: NDArray[np.float32],
+    activated: NDArray[np.int32],
+    prototype_roots: NDArray[np.float32],
+    prototype_vertices: NDArray[np.int32],
+    prototype_objects: NDArray[np.int32],
+    scales: NDArray[np.float64],
+    left_out: int,
+    n_neighbours: int,
+    width: float,
+    smallest: float,
+) -> NDArray[np.float64]:
+    """Mean over an object's constellations of their `prototype_stimuli`, each scaled to sum 1, (p,) float64.
+
+    Parameters are those of `prototype_stimuli`, with `roots` (k, b) and `activated` (k, n) of all
+    constellations. One that stimulates nothing counts as zeros.
+    """
+    n_constellations, n = len(roots), prototype_roots.shape[1]
+    row = np.zeros(n)
+    stimuli, others = np.empty(n), np.empty(n)
     for q in range(n_constellations):
-        hellinger_divergences(roots[q], prototype_roots, divergences)
-        scale = neighbourhood_scale(divergences, prototype_objects, left_out, n_neighbours, others)
-        # Beyond this the kernel is under `smallest` whatever the words.
-        reach = -2.0 * math.log(smallest) * width * width * scale
+        prototype_stimuli(
+            roots[q],
+            activated[q],
+            prototype_roots,
+            prototype_vertices,
+            prototype_objects,
+            scales,
+            left_out,
+            n_neighbours,
+            width,
+            smallest,
+            stimuli,
+            others,
+        )
+        # Summed as integers: the order in which the prototypes were seen does not matter.
+        total = 0
         for t in range(n):
-            d = divergences[t]
-            if prototype_objects[t] == left_out or d * d > reach * scales[t]:
-                continue
-            n_shared = 1
-            for level in range(n_levels):
-                if activated[q, level] == prototype_vertices[t, level]:
-                    n_shared += 1
-            kernel = math.exp(-0.5 * d * d / (width * width * scale * scales[t]))
-            stimulus = kernel * n_shared / (n_levels + 1)
-            if stimulus >= smallest:
-                stimuli[q, t] = stimulus
-    return stimuli
+            if stimuli[t] > 0.0:
+                total += round(ONE * stimuli[t])
+        if total > 0:
+            for t in range(n):
+                row[t] += ONE * stimuli[t] / total
+    return row / n_constellations

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
-from shapeconcepts.motifs.prototype_kernels import neighbourhood_scales, prototype_stimuli
+from shapeconcepts.motifs.prototype_kernels import neighbourhood_scales, prototype_row, prototype_stimuli
 from shapeconcepts.motifs.stimuli import Activation, SparseRow
 
-# Sigma in parts of the divergence to the n-th neighbour.
+# Sigma in parts of the divergence to the N-th neighbour.
 WIDTH = 0.5
 SMALLEST_KERNEL = 1e-3
 
@@ -26,19 +26,22 @@ class PrototypeField:
         (1 + m) / (1 + n) * exp(-d(t, q)^2 / (2 * sigma_t * sigma_q)),
 
     where d is the squared Hellinger distance of their descriptions, sigma is half of the divergence d to the
-    n-th nearest prototype of other objects, and m of the n hierarchies give both the same motif.
+    N-th nearest prototype of other objects (the last where there are fewer; half of 1e-5 at least), and m of
+    the n hierarchies give both the same motif. Where they have nothing in common (d = 1, also without mass)
+    there is no stimulus.
 
     Attributes
     ----------
     roots : (b, p) float32
         Square roots of the prototypes' histograms.
     scales : (p,) float64
-        Divergence of each prototype to its n-th neighbour.
+        Divergence of each prototype to its N-th neighbour, at least 1e-5.
     vertices : (p, n) int32
         Motif vertex of each prototype in each hierarchy.
     objects : (p,) int32
         Training object of each prototype.
     n_neighbours : int
+        N.
     """
 
     roots: NDArray[np.float32]
@@ -55,24 +58,33 @@ class PrototypeField:
         scales = neighbourhood_scales(roots, objects, n_neighbours)
         return cls(roots, scales, hierarchies.prototype_vertices, objects, n_neighbours)
 
-    def stimuli(self, activation: Activation) -> NDArray[np.float64]:
-        """Stimulus of each prototype by each constellation of an object, (k, p) float64, 0 to 1.
+    def stimuli(self, histogram: NDArray[np.float32], activated: NDArray[np.int32]) -> NDArray[np.float64]:
+        """Stimulus of each prototype by one constellation of a new object, (p,) float64, 0 to 1.
 
         Stimuli under 1e-3 are 0.
+
+        Parameters
+        ----------
+        histogram : (b,) float32
+        activated : (n,) int32
+            Vertex that the constellation activates in each hierarchy, -1 for none.
         """
-        histograms, vertices, left_out = activation
-        return prototype_stimuli(
-            np.sqrt(histograms),
-            vertices,
-            self.roots,
-            self.vertices,
-            self.objects,
-            self.scales,
-            left_out,
-            self.n_neighbours,
-            WIDTH,
-            SMALLEST_KERNEL,
-        )
+        stimuli, buffer = np.empty((2, len(self.scales)))
+        prototype_stimuli(np.sqrt(histogram), activated, *self._known, -1, *self._constants, stimuli, buffer)
+        return stimuli
+
+    def row(self, activation: Activation) -> NDArray[np.float64]:
+        """Stimulus of each prototype by an object, (p,) float64, 0 to 1; see `prototype_rows`."""
+        histograms, activated, left_out = activation
+        return prototype_row(np.sqrt(histograms), activated, *self._known, left_out, *self._constants)
+
+    @property
+    def _known(self) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
+        return self.roots, self.vertices, self.objects, self.scales
+
+    @property
+    def _constants(self) -> tuple[int, float, float]:
+        return self.n_neighbours, WIDTH, SMALLEST_KERNEL
 
 
 def prototype_rows(activations: Sequence[Activation], field: PrototypeField) -> list[SparseRow]:
@@ -83,10 +95,7 @@ def prototype_rows(activations: Sequence[Activation], field: PrototypeField) -> 
     """
     rows = []
     for activation in activations:
-        stimuli = field.stimuli(activation)
-        sums = stimuli.sum(axis=1, keepdims=True)
-        np.divide(stimuli, sums, out=stimuli, where=sums > 0)
-        row = stimuli.sum(axis=0) / max(len(stimuli), 1)
+        row = field.row(activation)
         columns = np.flatnonzero(row)
         rows.append((columns.astype(np.int32), row[columns]))
     return rows

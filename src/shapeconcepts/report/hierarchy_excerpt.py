@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.descriptors.described_object import describe
-from shapeconcepts.motifs.decomposition import decompose
+from shapeconcepts.motifs.decomposition import decompose, segments_in
 from shapeconcepts.motifs.ensemble import MotifHierarchyEnsemble
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.hierarchy_kernels import linked_vertices
@@ -33,8 +33,8 @@ class HierarchyExcerpt:
     activated : set of int
         Vertices that the object's constellations activate, shown or not.
     stimulus_of : dict of int to float
-        Stimulus of the activated vertices that are columns of the stimuli; where columns are prototypes, the
-        largest one of a vertex's prototypes.
+        Stimulus of the activated vertices that are columns of the stimuli. Where columns are prototypes, the
+        largest stimulus of any prototype by the constellations that activate the vertex.
     links, steps : set of (int, int)
         Linked vertices of a level; vertices (lower, upper) such that in some training object the lower is one
         of two whose union makes the upper. Between shown vertices.
@@ -73,14 +73,16 @@ def excerpt_of(
     propagation = propagate(describe(segmented, ensemble.descriptor), ensemble.dictionary_)
     vertices = known.activated(propagation.words)[:, dictionary_level - 1]
     activated = {int(vertex) for vertex in vertices[vertices >= 0]}
-    if ensemble.columns == "prototypes":
-        stimulus_of = _prototype_stimuli(ensemble, propagation, dictionary_level)
-    else:
-        stimulus_of = {
-            motif.vertex: motif.stimulus
-            for motif in ensemble.explain(segmented).motifs
-            if motif.dictionary_level == dictionary_level
-        }
+    vertex_of = {
+        segments_in(constellation): vertex
+        for constellation, vertex in zip(propagation.constellations.tolist(), vertices.tolist(), strict=True)
+    }
+    stimulus_of: dict[int, float] = {}
+    for motif in ensemble.explain(segmented).motifs:
+        if ensemble.columns == "prototypes" or motif.dictionary_level == dictionary_level:
+            stimulus_of.setdefault(vertex_of[motif.segments], motif.stimulus)
+    # Constellations whose motif is unknown at this level.
+    stimulus_of.pop(-1, None)
 
     here = np.flatnonzero(known.dictionary_levels == dictionary_level)
     highest = max((int(known.motif_levels[vertex]) for vertex in activated), default=0)
@@ -117,22 +119,6 @@ def excerpt_of(
         n_constellations=len(vertices),
         n_unknown=int((vertices < 0).sum()),
     )
-
-
-def _prototype_stimuli(
-    ensemble: MotifHierarchyEnsemble, propagation: Propagation, dictionary_level: int
-) -> dict[int, float]:
-    """Largest stimulus of a prototype at each vertex by a constellation that activates the vertex."""
-    known = ensemble.hierarchies_
-    field = ensemble.prototype_field_
-    activated = known.activated(propagation.words)
-    stimuli = field.stimuli((propagation.histograms, activated, -1))
-    vertices, homes = activated[:, dictionary_level - 1], field.vertices[:, dictionary_level - 1]
-    largest = {
-        int(vertex): float(stimuli[np.ix_(vertices == vertex, homes == vertex)].max(initial=0))
-        for vertex in np.unique(vertices[vertices >= 0])
-    }
-    return {vertex: stimulus for vertex, stimulus in largest.items() if stimulus > 0}
 
 
 def _links(propagation: Propagation, vertices: NDArray[np.int32], shown: set[int]) -> set[Pair]:
