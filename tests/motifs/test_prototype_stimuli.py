@@ -52,7 +52,8 @@ def compare(
     described_new: list,
 ) -> list[float]:
     """Compare training rows and new rows; return the widths of the bounds of all stimuli."""
-    slow = SlowField(train, model.n_neighbours)
+    n_prototypes = sum(len(one) for one in train)
+    slow = SlowField(train, model.n_neighbours or round(n_prototypes**0.5))
     widths = []
     cases = [(row, index) for index, row in enumerate(by_prototype(model, model.stimuli_))]
     cases = [(row, train[index], index if model.leave_own_out else -1) for row, index in cases]
