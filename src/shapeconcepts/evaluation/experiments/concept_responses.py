@@ -31,15 +31,17 @@ def concept_of_objects(concepts: Iterable[Concept], n_objects: int) -> NDArray[n
 
 
 def concept_responses(
-    training: csr_matrix, test: csr_matrix, concept_of: NDArray[np.integer]
+    model: ShapeConceptModel, test: csr_matrix, concept_of: NDArray[np.integer]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Responses of concepts to training and test objects.
+    """Responses of concepts to training and test objects, in the model's distance.
 
     Parameters
     ----------
-    training, test : (n, c), (m, c) csr_matrix of float64
-        Stimuli. Those of a training object should leave its own prototypes out, as those of the model do
-        where it wants that: a test object has none.
+    model : ShapeConceptModel
+        Fitted to n training objects. Its stimuli leave a training object's own prototypes out where it wants
+        that: a test object has none.
+    test : (m, c) csr_matrix of float64
+        Stimuli of test objects.
     concept_of : (n,) int
         Concept of each training object, -1 for none.
 
@@ -50,6 +52,6 @@ def concept_responses(
         which nothing can be told apart.
     """
     if (concept_of < 0).all():
-        return np.zeros((training.shape[0], 1)), np.zeros((test.shape[0], 1))
-    response = ConceptResponse().fit(training, concept_of)
-    return response.transform(training), response.transform(test)
+        return np.zeros((len(concept_of), 1)), np.zeros((test.shape[0], 1))
+    response = ConceptResponse(model.response_distance).fit(model.stimuli_, concept_of)
+    return response.transform(model.stimuli_), response.transform(test)

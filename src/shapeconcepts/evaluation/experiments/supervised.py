@@ -138,7 +138,7 @@ def fold_surfaces(
             if concept_of is None:
                 continue
             scores = grouping_scores(concept_of, labels[fitted])
-            responses = concept_responses(model.stimuli_, stimuli, concept_of)
+            responses = concept_responses(model, stimuli, concept_of)
             errors = svm_errors(responses[0], labels[fitted], responses[1], labels[left_out], "response")
             surfaces.purity[i, j] = scores.mean_purity
             surfaces.error[i, j] = np.mean(list(errors.values()))
@@ -192,7 +192,7 @@ def _test(
     if concept_of is None:
         # The folds had that many concepts, the whole training part has not: as the model would choose.
         concept_of = concept_of_objects(model.concepts_, len(training))
-    responses = concept_responses(model.stimuli_, model.stimuli([described[i] for i in test]), concept_of)
+    responses = concept_responses(model, model.stimuli([described[i] for i in test]), concept_of)
     errors = svm_errors(responses[0], labels[training], responses[1], labels[test], "response")
     return TestPart(grouping_scores(concept_of, labels[training]), errors)
 

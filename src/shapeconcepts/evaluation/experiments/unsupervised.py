@@ -89,7 +89,7 @@ def select(
     model = fit([described[i] for i in training], preset, **parameters)
     concept_of = concept_of_objects(model.concepts_, len(training))
     stimuli = model.stimuli([described[i] for i in test])
-    responses = concept_responses(model.stimuli_, stimuli, concept_of)
+    responses = concept_responses(model, stimuli, concept_of)
     known, new = labels[training], labels[test]
     return Selection(
         grouping_scores(concept_of, known),
@@ -126,20 +126,7 @@ def _filtration(model: ShapeConceptModel) -> FiltrationResult:
         step_ends=step_ends,
         counts=counts,
         epsilon_max=filtration.epsilon_max,
-        concept_time=_concept_time(model),
+        concept_time=filtration.concept_time,
         times=numbers.times,
         n_concepts=numbers.at_least(model.min_concept_size),
     )
-
-
-def _concept_time(model: ShapeConceptModel) -> float | None:
-    """Time at which the groups of the filtration are the concepts of the model."""
-    members = sorted(concept.members.tolist() for concept in model.concepts_)
-    latest_birth = max((concept.birth for concept in model.concepts_), default=None)
-    for time in (model.filtration_.epsilon_max, latest_birth):
-        if time is not None and members == sorted(
-            concept.members.tolist()
-            for concept in model.filtration_.concepts_at(time, model.min_concept_size)
-        ):
-            return time
-    return None
