@@ -81,7 +81,7 @@ def test_contents_say_what_the_model_learned(tmp_path):
     assert scores == sorted(scores, reverse=True)
     assert contents["scans"]["vertices"][7] == -1
     assert contents["scans"]["previews"][5] is None and len(contents["scans"]["previews"][0]) <= 160
-    assert contents["filtration"]["epsilonMax"] == model.filtration_.epsilon_max_
+    assert contents["filtration"]["conceptTime"] == model.filtration_.concept_time_
     assert sum(contents["filtration"]["stepCounts"]) == len(contents["filtration"]["edges"])
 
 
@@ -92,7 +92,7 @@ def test_models_without_concepts(tmp_path, kind):
     assert model.concepts_ == []
     write_report(tmp_path / "r.html", model, [None] * len(rows))
     contents = Page(tmp_path / "r.html").contents
-    assert contents["concepts"] == [] and contents["filtration"]["epsilonMax"] is None
+    assert contents["concepts"] == [] and contents["filtration"]["conceptTime"] is None
 
 
 def test_many_scans_make_a_file_that_can_be_opened(tmp_path, monkeypatch):
