@@ -57,14 +57,22 @@ def separation_order(
     # An edge of each class, behind which others wait.
     front = np.full(len(sizes), -1, np.int32)
     is_queued = np.ones(n_edges, np.bool_)
-    queue = [(0.0, 0)][:0]
+    # At first in sorted order, which costs less than a heap; those that come back are in the heap.
+    at_start = np.empty(n_edges)
     for e in range(n_edges):
-        queue.append((_separation(lengths[e], sizes[edges[e, 0]], sizes[edges[e, 1]]), e))
-    heapq.heapify(queue)
+        at_start[e] = _separation(lengths[e], sizes[edges[e, 0]], sizes[edges[e, 1]])
+    by_start = np.argsort(at_start, kind="mergesort")
+    n_started = 0
+    queue = [(0.0, 0)][:0]
     order, separations = np.empty(n_edges, np.int64), np.empty(n_edges)
     n = 0
-    while queue:
-        queued, e = queue[0]
+    while n < n_edges:
+        e = by_start[min(n_started, n_edges - 1)]
+        queued = at_start[e]
+        if n_started == n_edges or (len(queue) > 0 and queue[0] < (queued, e)):
+            queued, e = heapq.heappop(queue)
+        else:
+            n_started += 1
         larger, smaller = find(parents, edges[e, 0]), find(parents, edges[e, 1])
         end = edges[e, 0]
         if members[larger] < members[smaller]:
@@ -80,7 +88,6 @@ def separation_order(
         else:
             waiting = [0][:0]
         if enters:
-            heapq.heappop(queue)
             is_queued[e] = False
             order[n], separations[n] = e, separation
             n += 1
@@ -96,12 +103,11 @@ def separation_order(
                 and _is_at(f, larger, edges, parents, members, shared, beyond, first_waiting)
                 and _precedes(f, e, lengths, beyond)
             ):
-                heapq.heappop(queue)
                 is_queued[e] = False
                 next_waiting[e] = first_waiting[f]
                 first_waiting[f] = e
             else:
-                heapq.heapreplace(queue, (separation, e))
+                heapq.heappush(queue, (separation, e))
                 front[larger] = e
         for w in waiting:
             is_queued[w] = True
