@@ -100,7 +100,7 @@ def separation_order(
                 f >= 0
                 and f != e
                 and is_queued[f]
-                and _is_at(f, larger, edges, parents, members, shared, beyond, first_waiting)
+                and find(parents, shared[f]) == larger
                 and _precedes(f, e, lengths, beyond)
             ):
                 is_queued[e] = False
@@ -135,30 +135,6 @@ def _precedes(e: int, f: int, lengths: NDArray[np.float64], beyond: NDArray[np.i
 @njit(cache=True)
 def _other_end(e: int, edges: NDArray[np.int32], end: int) -> int:
     return edges[e, 1] if edges[e, 0] == end else edges[e, 0]
-
-
-@njit(cache=True)
-def _is_at(
-    e: int,
-    root: int,
-    edges: NDArray[np.int32],
-    parents: NDArray[np.int32],
-    members: NDArray[np.int64],
-    shared: NDArray[np.int32],
-    beyond: NDArray[np.int64],
-    first_waiting: NDArray[np.int32],
-) -> bool:
-    """Whether others of a class can wait behind an edge: it is one of the class, and known as it is now."""
-    if find(parents, shared[e]) != root:
-        if first_waiting[e] >= 0:
-            return False
-        shared[e] = _other_end(e, edges, shared[e])
-        if find(parents, shared[e]) != root:
-            return False
-    now = members[find(parents, _other_end(e, edges, shared[e]))]
-    if first_waiting[e] < 0:
-        beyond[e] = now
-    return beyond[e] == now
 
 
 @njit(cache=True)
