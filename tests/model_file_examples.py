@@ -15,12 +15,23 @@ from shapeconcepts.model_file.container import read_container, write_container
 
 # Computed when they are first asked for.
 LAZY = {
+    "_prototype_field",
     "_training_stimuli",
     "_stimuli_parameters",
     "prototypes_of",
     "prototype_entropies",
     "support",
     "_vertex_of",
+}
+
+
+# Columns, heat, stop and responses of the paper, with a bandwidth that suits the objects below.
+LIKE_THE_PAPER: dict[str, Any] = {
+    "columns": "motifs",
+    "bandwidth": 0.1,
+    "heat": "geodesic",
+    "stop": "annexations",
+    "response_distance": "mahalanobis",
 }
 
 

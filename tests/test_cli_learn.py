@@ -97,6 +97,7 @@ def test_json_says_what_the_model_holds(scans: Path, tmp_path: Path) -> None:
     model = shapeconcepts.load_model(path)
     assert document["n_scans"] == len(model.scan_names_) == 24
     assert document["epsilon_max"] == model.filtration_.epsilon_max
+    assert document["concept_time"] == model.filtration_.concept_time
     assert document["skipped"] == []
     assert len(document["concepts"]) == len(model.concepts_)
     for number, (said, concept) in enumerate(zip(document["concepts"], model.concepts_, strict=True)):
@@ -117,14 +118,12 @@ def test_parameters_reach_the_model(scans: Path, tmp_path: Path) -> None:
         2,
         "--levels",
         3,
-        "--bandwidth",
-        0.07,
         "--voxel-size",
         0.008,
     ]
     assert run("learn", scans, "--model", path, *options).exit_code == 0
     parameters = shapeconcepts.load_model(path).get_params()
-    expected = {"min_concept_size": 2, "n_levels": 3, "bandwidth": 0.07, "voxel_size": 0.008}
+    expected = {"min_concept_size": 2, "n_levels": 3, "voxel_size": 0.008}
     paper = shapeconcepts.ShapeConceptModel.preset("paper", **expected).get_params()
     assert parameters == paper
     assert paper["descriptor"] == "fpfh"

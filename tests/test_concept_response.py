@@ -3,9 +3,13 @@
 import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
+from scipy.spatial.distance import jensenshannon
 
 from shapeconcepts import ConceptResponse
 from topology_reference import random_rows, slow_divergences
+
+DISTANCES = ("divergence", "mahalanobis")
+by_both_distances = pytest.mark.parametrize("distance", DISTANCES)
 
 
 def shares(rows: np.ndarray) -> np.ndarray:
@@ -40,13 +44,17 @@ def slow_whitening(centred: np.ndarray) -> np.ndarray:
     return vectors / np.sqrt(variances)
 
 
-def slow_responses(rows: np.ndarray, labels: np.ndarray, new: np.ndarray) -> np.ndarray:
+def slow_responses(distance: str, rows: np.ndarray, labels: np.ndarray, new: np.ndarray) -> np.ndarray:
     placed = rows.any(axis=1)
     training, concepts = shares(rows[placed]), labels[placed]
-    whitening = slow_whitening(training - training.mean(axis=0))
+    if distance == "mahalanobis":
+        whitening = slow_whitening(training - training.mean(axis=0))
     responses = np.full((len(new), len(np.unique(concepts[concepts >= 0]))), np.nan)
     for i in np.flatnonzero(new.any(axis=1)):
-        distances = np.linalg.norm(shares(new[[i]]) @ whitening - training @ whitening, axis=1)
+        if distance == "mahalanobis":
+            distances = np.linalg.norm(shares(new[[i]]) @ whitening - training @ whitening, axis=1)
+        else:
+            distances = np.array([jensenshannon(new[i], row, base=2) ** 2 for row in training])
         for column, concept in enumerate(np.unique(concepts[concepts >= 0])):
             responses[i, column] = distances[concepts == concept].mean()
     return responses
@@ -54,46 +62,51 @@ def slow_responses(rows: np.ndarray, labels: np.ndarray, new: np.ndarray) -> np.
 
 # A few columns, more columns than rows, more than 30 components, and a matrix too large to be dense.
 @pytest.mark.parametrize(("n", "n_columns"), [(60, 4), (60, 25), (20, 80), (120, 150), (300, 7000)])
-def test_against_numpy(n, n_columns):
+@by_both_distances
+def test_against_numpy_and_scipy(n, n_columns, distance):
     rows, labels, new = example(n_columns, n, n_columns, 0.7 if n_columns < 1000 else 0.01)
-    response = ConceptResponse().fit(csr_matrix(rows), labels)
+    response = ConceptResponse(distance).fit(csr_matrix(rows), labels)
     assert response.classes_.tolist() == [0, 1, 5]
-    expected = slow_responses(rows, labels, new)
+    expected = slow_responses(distance, rows, labels, new)
     responses = response.transform(new)
     assert responses.shape == (20, 3) and responses.dtype == np.float64
     np.testing.assert_allclose(responses, expected, rtol=1e-8, equal_nan=True)
+    assert distance == "mahalanobis" or np.nanmax(responses) <= 1
     assert np.isnan(responses[4]).all() and np.isfinite(np.delete(responses, 4, 0)).all()
 
 
 @pytest.mark.parametrize("n_columns", [25, 150])
-def test_alone_in_a_batch_and_sparse(n_columns):
+@by_both_distances
+def test_alone_in_a_batch_and_sparse(n_columns, distance):
     rows, labels, new = example(0, 80, n_columns)
-    response = ConceptResponse().fit(rows, labels)
+    response = ConceptResponse(distance).fit(rows, labels)
     batch, predicted = response.transform(new), response.predict(new)
     for k in range(len(new)):
         assert response.transform(new[[k]]).tobytes() == batch[[k]].tobytes()
         assert response.predict(new[[k]]) == predicted[k]
     for part in (slice(5, 12), slice(None, None, -1)):
         assert response.transform(new[part]).tobytes() == np.ascontiguousarray(batch[part]).tobytes()
-    again = ConceptResponse().fit(csr_matrix(rows), labels)
+    again = ConceptResponse(distance).fit(csr_matrix(rows), labels)
     assert again.transform(csr_matrix(new)).tobytes() == batch.tobytes()
     np.testing.assert_array_equal(again.predict(csr_matrix(new)), predicted)
 
 
-def test_scale_of_a_row_does_not_matter():
+@by_both_distances
+def test_scale_of_a_row_does_not_matter(distance):
     rows, labels, new = example(1)
-    response = ConceptResponse().fit(rows, labels)
+    response = ConceptResponse(distance).fit(rows, labels)
     factors = np.random.default_rng(0).uniform(1e-5, 1e5, (80, 1))
-    other = ConceptResponse().fit(rows * factors[:60], labels)
+    other = ConceptResponse(distance).fit(rows * factors[:60], labels)
     np.testing.assert_allclose(other.transform(new * factors[60:]), response.transform(new), rtol=1e-7)
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_predict_is_the_nearest_prototype(seed):
+@by_both_distances
+def test_predict_is_the_nearest_prototype(seed, distance):
     rows, labels, new = example(seed)
     rng = np.random.default_rng(seed)
     new[-5:] = random_rows(rng, 5, 25, 0.1)
-    response = ConceptResponse().fit(rows, labels)
+    response = ConceptResponse(distance).fit(rows, labels)
     is_prototype = rows.any(axis=1) & (labels >= 0)
     between = slow_divergences(new, rows[is_prototype])
     longest = slow_longest_step(rows[is_prototype], labels[is_prototype])
@@ -116,9 +129,10 @@ def slow_longest_step(rows: np.ndarray, labels: np.ndarray) -> float:
     return longest
 
 
-def test_unknown():
+@by_both_distances
+def test_unknown(distance):
     rows = np.array([[4, 1, 0, 0, 0], [1, 4, 0, 0, 0], [2, 2, 0, 0, 0], [0, 0, 3, 1, 0], [0, 0, 1, 3, 0.0]])
-    response = ConceptResponse().fit(rows, [0, 0, 0, 1, 1])
+    response = ConceptResponse(distance).fit(rows, [0, 0, 0, 1, 1])
     new = [[1, 1, 0, 0, 0], [0, 0, 1, 1, 0], [0, 0, 0, 0, 1], [1, 0, 0, 0, 9], [0, 0, 0, 0, 0]]
     assert response.predict(new).tolist() == [0, 1, -1, -1, -1]
     # What shares nothing has a response, what is empty has none.
@@ -127,48 +141,60 @@ def test_unknown():
 
 @pytest.mark.parametrize("n_columns", [0, 3])
 @pytest.mark.parametrize("n", [1, 2, 7])
-def test_no_concepts(n, n_columns):
+@by_both_distances
+def test_no_concepts(n, n_columns, distance):
     rows = np.ones((n, n_columns))
-    response = ConceptResponse().fit(rows, np.full(n, -1))
+    response = ConceptResponse(distance).fit(rows, np.full(n, -1))
     assert response.transform(rows).shape == (n, 0)
     assert response.predict(rows).tolist() == [-1] * n
     assert response.get_feature_names_out().tolist() == [] and response.classes_.tolist() == []
 
 
-def test_no_rows_to_respond_to():
+@by_both_distances
+def test_no_rows_to_respond_to(distance):
     rows, labels, _ = example(0)
-    response = ConceptResponse().fit(rows, labels)
+    response = ConceptResponse(distance).fit(rows, labels)
     assert response.transform(np.empty((0, 25))).shape == (0, 3)
     assert response.predict(csr_matrix((0, 25))).shape == (0,)
 
 
 @pytest.mark.filterwarnings("error")
-def test_one_concept_and_rows_that_are_all_equal():
+@by_both_distances
+def test_one_concept_and_rows_that_are_all_equal(distance):
     rows, _, new = example(2)
-    response = ConceptResponse().fit(rows, np.zeros(60, int))
+    response = ConceptResponse(distance).fit(rows, np.zeros(60, int))
     np.testing.assert_allclose(
-        response.transform(new), slow_responses(rows, np.zeros(60, int), new), rtol=1e-8, equal_nan=True
+        response.transform(new),
+        slow_responses(distance, rows, np.zeros(60, int), new),
+        rtol=1e-8,
+        equal_nan=True,
     )
     assert response.get_feature_names_out().tolist() == ["concept0"]
-    same = ConceptResponse().fit(np.tile([1.0, 2, 3], (6, 1)), [0, 0, 0, 1, 1, -1])
-    assert same.transform([[1, 2, 3], [3, 2, 1]]).tolist() == [[0, 0], [0, 0]]
+    same = ConceptResponse(distance).fit(np.tile([1.0, 2, 3], (6, 1)), [0, 0, 0, 1, 1, -1])
+    # There is no variance to measure a distance by.
+    expected = jensenshannon([1, 2, 3], [3, 2, 1], base=2) ** 2 if distance == "divergence" else 0
+    np.testing.assert_allclose(
+        same.transform([[1, 2, 3], [3, 2, 1]]), [[0, 0], [expected, expected]], atol=1e-12
+    )
     assert same.predict([[2, 4, 6], [3, 2, 1]]).tolist() == [0, -1]
 
 
-def test_only_empty_rows_in_the_concepts():
-    response = ConceptResponse().fit([[0, 0], [0, 0], [1, 2], [2, 1]], [0, 0, -1, -1])
+@by_both_distances
+def test_only_empty_rows_in_the_concepts(distance):
+    response = ConceptResponse(distance).fit([[0, 0], [0, 0], [1, 2], [2, 1]], [0, 0, -1, -1])
     assert response.classes_.tolist() == [] and response.predict([[1, 2]]).tolist() == [-1]
 
 
-def test_labels_that_are_whole_numbers():
+@by_both_distances
+def test_labels_that_are_whole_numbers(distance):
     rows, labels, new = example(3)
-    expected = ConceptResponse().fit(rows, labels).transform(new)
+    expected = ConceptResponse(distance).fit(rows, labels).transform(new)
     for kind in (np.int32, np.int8, np.float64, list):
         converted = labels.tolist() if kind is list else labels.astype(kind)
-        response = ConceptResponse().fit(rows, converted)
+        response = ConceptResponse(distance).fit(rows, converted)
         np.testing.assert_array_equal(response.transform(new), expected)
         assert response.predict(new).dtype == np.int64
-    assert ConceptResponse().fit(rows, labels).get_feature_names_out().tolist() == [
+    assert ConceptResponse(distance).fit(rows, labels).get_feature_names_out().tolist() == [
         "concept0", "concept1", "concept5",
     ]  # fmt: skip
 
@@ -179,9 +205,10 @@ def test_labels_of_other_types(labels):
         ConceptResponse().fit(np.eye(4), labels)
 
 
-def test_bad_input():
+@by_both_distances
+def test_bad_input(distance):
     rows, labels, new = example(0)
-    response = ConceptResponse().fit(rows, labels)
+    response = ConceptResponse(distance).fit(rows, labels)
     for method in (response.transform, response.predict):
         with pytest.raises(ValueError, match="X has 24 features, but ConceptResponse is expecting 25"):
             method(new[:, 1:])
@@ -190,6 +217,23 @@ def test_bad_input():
         with pytest.raises(ValueError, match="contains NaN"):
             method(np.where(new > 0.1, np.nan, new))
     with pytest.raises(ValueError, match="inconsistent numbers of samples"):
-        ConceptResponse().fit(rows, labels[:-1])
+        ConceptResponse(distance).fit(rows, labels[:-1])
     with pytest.raises(ValueError, match="requires y to be passed"):
-        ConceptResponse().fit(rows, None)
+        ConceptResponse(distance).fit(rows, None)
+    with pytest.raises(ValueError, match="distance must be one of 'divergence', 'mahalanobis', got 'cosine'"):
+        ConceptResponse("cosine").fit(rows, labels)
+
+
+def test_divergence_needs_no_components():
+    rows, labels, _ = example(0)
+    assert ConceptResponse().fit(rows, labels).whitening_.shape == (25, 0)
+    assert ConceptResponse("mahalanobis").fit(rows, labels).whitening_.shape[1] > 2
+
+
+def test_divergence_of_what_shares_nothing_is_one():
+    response = ConceptResponse().fit([[1, 1, 0, 0], [2, 2, 0, 0], [0, 0, 1, 0]], [0, 0, 1])
+    new = [[3, 3, 0, 0], [0, 0, 0, 1], [1, 0, 0, 0], [0, 0, 0, 0]]
+    of_half = jensenshannon([1, 0], [0.5, 0.5], base=2) ** 2
+    np.testing.assert_allclose(
+        response.transform(new), [[0, 1], [1, 1], [of_half, 1], [np.nan, np.nan]], atol=1e-15
+    )

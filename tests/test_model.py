@@ -35,6 +35,11 @@ def model(scans) -> ShapeConceptModel:
 
 
 @pytest.fixture(scope="module")
+def paper(segmented) -> ShapeConceptModel:
+    return ShapeConceptModel.preset("paper").fit(segmented)
+
+
+@pytest.fixture(scope="module")
 def new():
     scans = datasets.simulate(n_per_category=2, random_state=9)
     return [ShapeConceptModel().segment(scan) for scan in scans]
@@ -51,12 +56,12 @@ def assert_same_rows(a, b) -> None:
 def test_what_is_learned(model, scans):
     assert len(model.concepts_) >= 2
     sizes = [concept.size for concept in model.concepts_]
-    assert sizes == sorted(sizes, reverse=True) and min(sizes) >= 3 and max(sizes) <= len(scans) / 2
+    assert sizes == sorted(sizes, reverse=True) and min(sizes) >= 3
     labels = np.full(len(scans), -1)
     for number, concept in enumerate(model.concepts_):
         labels[concept.members] = number
         assert concept.medoid in concept.members
-        assert 0 < concept.birth <= model.filtration_.epsilon_max < concept.death
+        assert 0 < concept.birth <= model.filtration_.concept_time < concept.death
     np.testing.assert_array_equal(model.labels_, labels)
     assert model.stimuli_.shape == (len(scans), len(model.ensemble_.columns_))
     np.testing.assert_array_equal(model.filtration_.labels_, labels)
@@ -69,6 +74,15 @@ def test_what_is_learned(model, scans):
         for category in datasets.CATEGORIES
     ]
     assert sum(most) > 0.6 * len(scans)
+
+
+def test_no_concept_of_the_paper_holds_more_than_half(paper, scans):
+    assert len(paper.concepts_) >= 2
+    sizes = [concept.size for concept in paper.concepts_]
+    assert sizes == sorted(sizes, reverse=True) and min(sizes) >= 3 and max(sizes) <= len(scans) / 2
+    assert paper.filtration_.concept_time == paper.filtration_.epsilon_max
+    for concept in paper.concepts_:
+        assert 0 < concept.birth <= paper.filtration_.epsilon_max < concept.death
 
 
 def test_responses_are_equation_3_of_the_stimuli(model, new):
@@ -201,8 +215,18 @@ def test_explain(model, segmented, scans):
     explanation = model.explain(segmented[0])
     assert explanation == model.ensemble_.explain(describe(segmented[0])) == model.explain(scans[0])
     assert explanation.motifs
+    # Behind every entry of the row is a prototype that a constellation of the scan stimulates.
     row = model.stimuli([segmented[0]])
-    assert max(motif.stimulus for motif in explanation.motifs) == pytest.approx(row.max())
+    assert {motif.column for motif in explanation.motifs} <= set(row.indices.tolist())
+
+
+def test_explain_by_motifs(paper, segmented, scans):
+    explanation = paper.explain(segmented[0])
+    assert explanation == paper.ensemble_.explain(describe(segmented[0], "fpfh")) == paper.explain(scans[0])
+    row = paper.stimuli([segmented[0]])
+    assert len(explanation.motifs) == row.nnz > 0
+    for motif in explanation.motifs:
+        assert row[0, motif.column] == pytest.approx(motif.stimulus)
 
 
 def test_clone_parameters_and_pickle(model, new):
@@ -219,9 +243,22 @@ def test_clone_parameters_and_pickle(model, new):
 
 
 def test_parameters_reach_their_stage(segmented, model):
-    two = ShapeConceptModel(n_levels=2, bandwidth=0.3, min_concept_size=2, max_steps=5).fit(segmented)
+    parameters = {
+        "n_levels": 2, "word_metric": "euclidean", "columns": "motifs", "n_neighbours": 7, "bandwidth": 0.3,
+        "leave_own_out": False, "min_support": 3, "heat": "geodesic", "stop": "annexations",
+        "response_distance": "mahalanobis", "min_concept_size": 2, "max_steps": 5, "descriptor": "fpfh",
+    }  # fmt: skip
+    two = ShapeConceptModel(**parameters).fit(segmented)
     assert two.ensemble_.hierarchies_.n_levels == 2 and two.ensemble_.bandwidth == 0.3
     assert two.filtration_.min_concept_size == 2 and two.filtration_.n_steps <= 5
+    parts = {
+        "metric": two.word_metric,
+        **{name: value for name, value in parameters.items() if name != "word_metric"},
+        "distance": two.response_distance,
+    }
+    for part in (two.ensemble_.dictionary_, two.ensemble_, two.filtration_, two.response_):
+        for name, value in part.get_params(deep=False).items():
+            assert name in ("dictionary", "n_jobs") or value == parts[name]
     coarse = ShapeConceptModel(voxel_size=0.012, max_segments=2)
     scan = datasets.simulate_scan("box", 0)
     assert coarse.segment(scan).voxel_size == 0.012 and coarse.segment(scan).n_segments <= 2
@@ -229,6 +266,8 @@ def test_parameters_reach_their_stage(segmented, model):
 
 def test_preset_of_the_paper(segmented):
     paper = ShapeConceptModel.preset("paper")
+    assert (paper.columns, paper.heat, paper.stop) == ("motifs", "geodesic", "annexations")
+    assert paper.response_distance == "mahalanobis"
     assert (paper.n_levels, paper.descriptor, paper.bandwidth) == (4, "fpfh", 0.025)
     assert (paper.word_metric, paper.leave_own_out, paper.min_support) == ("euclidean", False, 1)
     assert ShapeConceptModel.preset("paper", n_levels=2).n_levels == 2
@@ -252,6 +291,11 @@ def test_preset_of_the_paper(segmented):
         ({"min_support": 0}, "min_support must be"),
         ({"min_concept_size": 1}, "min_concept_size must be"),
         ({"max_steps": 0}, "max_steps must be"),
+        ({"columns": "words"}, "columns must be one of 'prototypes', 'motifs', got 'words'"),
+        ({"n_neighbours": 0}, "n_neighbours must be"),
+        ({"heat": "mean"}, "heat must be one of"),
+        ({"stop": "late"}, "stop must be one of"),
+        ({"response_distance": "cosine"}, "distance must be one of"),
         ({"voxel_size": -1}, "voxel_size must be"),
         ({"seed_size": 0}, "seed_size must be"),
         ({"max_segments": 0}, "max_segments must be"),

@@ -11,6 +11,7 @@ import pytest
 from safetensors.numpy import save_file
 
 from model_file_examples import fitted_model, forge, refusal
+from shapeconcepts.model_file.layout import FORMAT
 
 
 @pytest.fixture(scope="module")
@@ -201,11 +202,25 @@ def test_declared_sizes_take_no_memory(sound, path):
 
 def test_a_newer_file(sound, path):
     def newer(tensors, description):
-        description.update(format=2, written_by="shapeconcepts 7.5")
+        description.update(format=FORMAT + 1, written_by="shapeconcepts 7.5")
         description["more"] = 1
 
     message = refusal(forge(sound, path, newer))
-    assert "format 2" in message and "shapeconcepts 7.5" in message and "reads format 1" in message
+    assert f"format {FORMAT + 1}" in message and f"reads format {FORMAT}" in message
+    assert "shapeconcepts 7.5, which is newer" in message
+
+
+def test_an_older_file(sound, path):
+    """Such a file has other tensors and fields; what it has does not matter."""
+
+    def older(tensors, description):
+        description.update(format=FORMAT - 1, written_by="shapeconcepts 0.1.0")
+        tensors["stimuli.motifs"] = tensors.pop("stimuli.sources")
+        del description["concept_time"]
+
+    message = refusal(forge(sound, path, older))
+    assert f"has format {FORMAT - 1}, written by shapeconcepts 0.1.0, an older version" in message
+    assert f"reads format {FORMAT}; learn the model again" in message
 
 
 @pytest.mark.parametrize("version", [0, -1, True, "1", None, 1.0, 10**30])

@@ -22,21 +22,28 @@ FAILURES = {
 }
 
 
-@pytest.mark.filterwarnings("ignore:no step of the filtration")
+@pytest.mark.filterwarnings("ignore:no time of the filtration")
 @parametrize_with_checks(
-    [TopologicalSpace(), Filtration(), ConceptResponse()],
+    [
+        TopologicalSpace(),
+        Filtration(),
+        Filtration(heat="geodesic", stop="annexations"),
+        ConceptResponse(),
+        ConceptResponse("mahalanobis"),
+    ],
     expected_failed_checks=lambda estimator: FAILURES[type(estimator)],
 )
 def test_scikit_learn_contract(estimator, check):
     check(estimator)
 
 
-def test_clusters_of_any_matrix():
+@pytest.mark.parametrize("parameters", [{}, {"heat": "geodesic", "stop": "annexations"}])
+def test_clusters_of_any_matrix(parameters):
     """What scikit-learn's own check of clustering asks for, on numbers that are not negative."""
     rng = np.random.default_rng(0)
     kinds = np.kron(np.eye(3), np.ones(4))
     rows = kinds[np.repeat(range(3), 20)] * rng.gamma(4, 1, (60, 12)) + 0.01
-    filtration = Filtration()
+    filtration = Filtration(**parameters)
     labels = filtration.fit_predict(rows)
     np.testing.assert_array_equal(labels, filtration.labels_)
     np.testing.assert_array_equal(labels, clone(filtration).fit(rows.tolist()).labels_)
@@ -47,8 +54,10 @@ def test_clusters_of_any_matrix():
 
 
 def test_parameters():
-    filtration = Filtration(5, 50)
-    assert clone(filtration).get_params() == {"min_concept_size": 5, "max_steps": 50}
+    filtration = Filtration(5, 50, "geodesic", "annexations")
+    assert clone(filtration).get_params() == {
+        "min_concept_size": 5, "max_steps": 50, "heat": "geodesic", "stop": "annexations",
+    }  # fmt: skip
     assert filtration.set_params(max_steps=7).max_steps == 7
     with pytest.raises(ValueError, match="Invalid parameter"):
         filtration.set_params(min_size=3)

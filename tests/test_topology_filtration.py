@@ -1,12 +1,14 @@
-"""Filtration of trees, against fractions and sets, GUDHI and ripser."""
+"""Filtration of trees, by both kinds of heat, against fractions and sets, SciPy, GUDHI and ripser."""
 
 import warnings
 
 import numpy as np
 import pytest
 from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse.csgraph import connected_components
 
 from shapeconcepts import Filtration
+from shapeconcepts.topology.filtration import HEATS, STOPS
 from topology_reference import (
     components,
     random_rows,
@@ -18,7 +20,9 @@ from topology_reference import (
 )
 
 TREES = ("attached", "long", "path", "star", "caterpillar", "two stars")
-no_concepts_are_no_news = pytest.mark.filterwarnings("ignore:no step of the filtration")
+PAPER = {"heat": "geodesic", "stop": "annexations"}
+by_both_heats = pytest.mark.parametrize("heat", HEATS)
+no_concepts_are_no_news = pytest.mark.filterwarnings("ignore:no time of the filtration")
 
 
 def tree(rng: np.random.Generator, kind: str, n: int) -> list[tuple[int, int]]:
@@ -33,7 +37,7 @@ def tree(rng: np.random.Generator, kind: str, n: int) -> list[tuple[int, int]]:
     return random_tree(rng, n, 3 if kind == "long" else 10**9)
 
 
-def example(seed: int) -> tuple[Filtration, csr_matrix]:
+def example(seed: int, heat: str = "geodesic", stop: str = "annexations") -> tuple[Filtration, csr_matrix]:
     """A tree of a random kind with equal rows at some places, and rows without any entry between them."""
     rng = np.random.default_rng(seed)
     n = int(rng.integers(2, 40))
@@ -41,7 +45,7 @@ def example(seed: int) -> tuple[Filtration, csr_matrix]:
     rows = rows_of_tree(tree(rng, TREES[seed % len(TREES)], n), counts)
     rows = csr_matrix(np.concatenate([rows.toarray(), np.zeros((seed % 3, rows.shape[1]))]))
     rows = rows[rng.permutation(rows.shape[0])]
-    filtration = Filtration(int(rng.integers(2, 5)), int(rng.choice([1, 3, 7, 20, 200])))
+    filtration = Filtration(int(rng.integers(2, 5)), int(rng.choice([1, 3, 7, 20, 200])), heat, stop)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
         return filtration.fit(rows), rows
@@ -50,7 +54,8 @@ def example(seed: int) -> tuple[Filtration, csr_matrix]:
 def slowly(filtration: Filtration):
     edges = sorted(tuple(edge) for edge in filtration.edges_.tolist())
     counts = filtration.space_.multiplicities_.tolist()
-    return slow_filtration(edges, counts, filtration.min_concept_size, filtration.max_steps)
+    lengths = np.sqrt(filtration.space_.divergences_).tolist() if filtration.heat == "separation" else None
+    return slow_filtration(edges, counts, filtration.min_concept_size, filtration.max_steps, lengths)
 
 
 def groups_at(filtration: Filtration, n_edges: int, min_size: int) -> list[tuple[int, ...]]:
@@ -66,9 +71,10 @@ def members(concepts) -> list[tuple[int, ...]]:
     return [tuple(concept.members.tolist()) for concept in concepts]
 
 
+@by_both_heats
 @pytest.mark.parametrize("seed", range(60))
-def test_against_fractions_and_sets(seed):
-    filtration, rows = example(seed)
+def test_against_fractions_and_sets(seed, heat):
+    filtration, rows = example(seed, heat)
     slow = slowly(filtration)
     assert [tuple(edge) for edge in filtration.edges.tolist()] == slow.edges
     np.testing.assert_allclose(filtration.times, np.array(slow.times, float), rtol=1e-12)
@@ -81,7 +87,7 @@ def test_against_fractions_and_sets(seed):
     np.testing.assert_allclose(ends, np.arange(1, len(counts) + 1) / len(counts))
     assert counts.sum() == len(filtration.times)
 
-    assert filtration.epsilon_max == filtration.epsilon_max_
+    assert filtration.epsilon_max == filtration.epsilon_max_ == filtration.concept_time
     if slow.epsilon_max is None:
         assert filtration.epsilon_max is None and filtration.concepts_ == []
         assert (filtration.labels_ == -1).all()
@@ -98,17 +104,19 @@ def test_against_fractions_and_sets(seed):
     assert filtration.labels_.dtype == np.int32 and filtration.labels_.shape == (rows.shape[0],)
 
 
-def test_examples_are_worth_comparing():
-    filtrations = [example(seed)[0] for seed in range(60)]
+@by_both_heats
+def test_examples_are_worth_comparing(heat):
+    filtrations = [example(seed, heat)[0] for seed in range(60)]
     found = [one.epsilon_max_ is not None for one in filtrations]
     assert 15 < sum(found) < 55
     assert sum(len(one.concepts_) > 2 for one in filtrations) > 5
     assert sum(len(set(one.times_.tolist())) < len(one.times_) for one in filtrations) > 20
 
 
+@by_both_heats
 @pytest.mark.parametrize("seed", range(0, 60, 5))
-def test_concepts_at_any_time(seed):
-    filtration, _ = example(seed)
+def test_concepts_at_any_time(seed, heat):
+    filtration, _ = example(seed, heat)
     times = filtration.times_
     middles = (times[:-1] + times[1:]) / 2
     for time in np.unique(np.concatenate([times[::2], middles[::3], [0, 0.5, 1]])):
@@ -121,6 +129,22 @@ def test_concepts_at_any_time(seed):
         assert members(filtration.concepts_at(time)) == groups_at(
             filtration, n_edges, filtration.min_concept_size
         )
+
+
+@by_both_heats
+@pytest.mark.parametrize("seed", range(0, 60, 6))
+def test_concepts_are_components_of_scipy(seed, heat):
+    filtration, _ = example(seed, heat)
+    n, (a, b) = len(filtration.space_.multiplicities_), filtration.edges_.T
+    for time in (0, 0.2, 0.5, 0.8, 1):
+        entered = filtration.times_ <= time
+        graph = coo_matrix((np.ones(entered.sum()), (a[entered], b[entered])), (n, n))
+        n_groups, group = connected_components(graph, directed=False)
+        placed = filtration.space_.vertices_ >= 0
+        group_of = np.where(placed, group[filtration.space_.vertices_], -1)
+        expected = {tuple(np.flatnonzero(group_of == k).tolist()) for k in range(n_groups)}
+        found = members(filtration.concepts_at(time, 1))
+        assert set(found) == expected and len(found) == n_groups
 
 
 def check_life(filtration: Filtration, concept, time: float) -> None:
@@ -169,11 +193,12 @@ def test_medoid_of_a_large_group():
     assert order[Filtration().fit(rows[order]).concepts_at(1)[0].medoid] == medoid
 
 
+@by_both_heats
 @pytest.mark.parametrize("seed", range(0, 60, 3))
-def test_diagram_against_gudhi_and_ripser(seed):
+def test_diagram_against_gudhi_and_ripser(seed, heat):
     gudhi = pytest.importorskip("gudhi")
     ripser = pytest.importorskip("ripser")
-    filtration, _ = example(seed)
+    filtration, _ = example(seed, heat)
     n, (a, b) = len(filtration.space_.multiplicities_), filtration.edges_.T
     diagram = filtration.diagram()
     assert diagram.shape == (n, 2) and (diagram[:, 0] == 0).all() and np.isinf(diagram[:, 1]).sum() == 1
@@ -190,9 +215,10 @@ def test_diagram_against_gudhi_and_ripser(seed):
     np.testing.assert_allclose(np.sort(diagram[:, 1]), np.sort(expected[:, 1]), rtol=1e-6)
 
 
+@by_both_heats
 @pytest.mark.parametrize("seed", range(0, 60, 7))
-def test_filtration_graph(seed):
-    filtration, _ = example(seed)
+def test_filtration_graph(seed, heat):
+    filtration, _ = example(seed, heat)
     graph = filtration.graph()
     vertices = filtration.space_.vertices_
     assert {v: data["objects"] for v, data in graph.nodes(data=True)} == {
@@ -209,14 +235,16 @@ def test_filtration_graph(seed):
         assert out == ([deaths[vertex]] if np.isfinite(deaths[vertex]) else [])
 
 
+@by_both_heats
+@pytest.mark.parametrize("stop", STOPS)
 @pytest.mark.parametrize("seed", range(5))
 @no_concepts_are_no_news
-def test_order_of_the_rows_does_not_matter(seed):
+def test_order_of_the_rows_does_not_matter(seed, heat, stop):
     rng = np.random.default_rng(seed)
     rows = uniform_rows(rng, 60, 9, 3) if seed % 2 else random_rows(rng, 60, 12, 0.2)
     order = rng.permutation(60)
-    one, other = Filtration().fit(rows), Filtration().fit(rows[order])
-    assert one.epsilon_max_ == other.epsilon_max_
+    one, other = (Filtration(heat=heat, stop=stop).fit(one) for one in (rows, rows[order]))
+    assert (one.epsilon_max_, one.concept_time_) == (other.epsilon_max_, other.concept_time_)
     np.testing.assert_array_equal(one.labels_[order], other.labels_)
     np.testing.assert_array_equal(one.times_, other.times_)
     np.testing.assert_array_equal(one.annexations_, other.annexations_)
@@ -225,6 +253,7 @@ def test_order_of_the_rows_does_not_matter(seed):
         assert [set(order[c.members]) for c in concepts] == [set(c.members) for c in one.concepts_at(time, 1)]
 
 
+LARGE = "most at one place"
 TRIVIAL = {
     "one object": [[1, 2]],
     "two objects": [[1, 2], [2, 1]],
@@ -232,19 +261,26 @@ TRIVIAL = {
     "all equal": [[1, 2]] * 9,
     "all disjoint": np.eye(9),
     "star": rows_of_tree([(0, k) for k in range(1, 9)], [1] * 9),
-    "most at one place": rows_of_tree([(0, 1), (1, 2), (2, 3), (3, 4)], [9, 3, 1, 1, 3]),
+    LARGE: rows_of_tree([(0, 1), (1, 2), (2, 3), (3, 4)], [9, 3, 1, 1, 3]),
     "nothing but empty rows": np.zeros((5, 3)),
     "no columns": np.zeros((5, 0)),
     "no columns, sparse": csr_matrix((5, 0)),
 }
 
 
-@pytest.mark.parametrize("name", TRIVIAL)
-def test_no_state_that_is_not_trivial(name):
+# The other rule takes two concepts, even if one of them is large.
+@pytest.mark.parametrize(
+    ("name", "stop"),
+    [(name, stop) for name in TRIVIAL for stop in STOPS if stop == "annexations" or name != LARGE],
+)
+@by_both_heats
+def test_no_state_that_is_not_trivial(name, stop, heat):
     with pytest.warns(UserWarning, match="no object is in a concept") as caught:
-        filtration = Filtration().fit(TRIVIAL[name])
+        filtration = Filtration(heat=heat, stop=stop).fit(TRIVIAL[name])
     assert caught[0].filename == __file__
+    assert ("more than half" in str(caught[0].message)) == (stop == "annexations")
     assert filtration.epsilon_max is None and filtration.concepts_ == []
+    assert filtration.concept_time is None
     n = np.shape(TRIVIAL[name])[0]
     assert filtration.labels_.tolist() == [-1] * n
     placed = int((filtration.space_.vertices_ >= 0).sum())
@@ -258,7 +294,7 @@ def test_no_state_that_is_not_trivial(name):
 
 def test_all_edges_equally_hot():
     with pytest.warns(UserWarning):
-        filtration = Filtration().fit(TRIVIAL["star"])
+        filtration = Filtration(**PAPER).fit(TRIVIAL["star"])
     assert filtration.times.tolist() == [1] * 8
     ends, counts = filtration.annexations()
     assert (ends.tolist(), counts.tolist()) == ([1], [8])
@@ -270,7 +306,7 @@ def test_all_edges_equally_hot():
 def test_two_bunches():
     """Two stars, their centres joined by a path of one more: leaves go first, the bridge last."""
     edges = [(0, k) for k in range(1, 6)] + [(6, k) for k in range(7, 12)] + [(0, 12), (12, 6)]
-    filtration = Filtration().fit(rows_of_tree(edges, [1] * 13))
+    filtration = Filtration(**PAPER).fit(rows_of_tree(edges, [1] * 13))
     assert members(filtration.concepts_) == [(0, 1, 2, 3, 4, 5), (6, 7, 8, 9, 10, 11)] or members(
         filtration.concepts_
     ) == [(6, 7, 8, 9, 10, 11), (0, 1, 2, 3, 4, 5)]
@@ -295,6 +331,8 @@ def test_multiples_are_concepts_from_the_start():
         ({"min_concept_size": 2.5}, "min_concept_size must be an integer of at least 2, got 2.5"),
         ({"min_concept_size": True}, "min_concept_size must be an integer of at least 2, got True"),
         ({"max_steps": 0}, "max_steps must be an integer of at least 1, got 0"),
+        ({"heat": "warm"}, "heat must be one of 'separation', 'geodesic', got 'warm'"),
+        ({"stop": None}, "stop must be one of 'lifetime', 'annexations', got None"),
         ({"max_steps": "many"}, "max_steps must be an integer of at least 1, got 'many'"),
     ],
 )

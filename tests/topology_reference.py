@@ -1,8 +1,9 @@
 """What the topological half computes, slowly: dictionaries, sets and fractions. And matrices to try it on."""
 
+from collections.abc import Callable
 from fractions import Fraction
-from itertools import combinations
-from math import ceil
+from itertools import combinations, pairwise
+from math import ceil, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -104,18 +105,48 @@ def components(edges: list[tuple[int, int]], n: int) -> list[set[int]]:
     return sorted({id(one): one for one in group.values()}.values(), key=min)
 
 
+def slow_separations(
+    edges: list[tuple[int, int]], lengths: list[float], counts: list[int]
+) -> tuple[list[int], list[float]]:
+    """Edges as they enter and the separations of their classes, all of them anew before each annexation."""
+    group = {vertex: {vertex} for vertex in range(len(counts))}
+    left, order, separations = set(range(len(edges))), [], []
+
+    def separation(e: int) -> float:
+        a, b = (sum(counts[v] for v in group[end]) for end in edges[e])
+        return lengths[e] * sqrt(a * b / (a + b))
+
+    while left:
+        least, e = min((separation(e), e) for e in left)
+        left.remove(e)
+        order.append(e)
+        separations.append(least)
+        joined = group[edges[e][0]] | group[edges[e][1]]
+        group.update(dict.fromkeys(joined, joined))
+    return order, separations
+
+
 def slow_filtration(
-    edges: list[tuple[int, int]], counts: list[int], min_size: int, max_steps: int
+    edges: list[tuple[int, int]],
+    counts: list[int],
+    min_size: int,
+    max_steps: int,
+    lengths: list[float] | None = None,
 ) -> SlowFiltration:
-    """Edges must be sorted, the smaller vertex first."""
-    _, heat = slow_heat(edges, counts)
-    weights = [(heat[a] + heat[b]) / 2 for a, b in edges]
+    """By separation where there are lengths, else by geodesic heat; edges must be sorted pairs."""
+    if lengths is None:
+        _, heat = slow_heat(edges, counts)
+        weights = [(heat[a] + heat[b]) / 2 for a, b in edges]
+        order = sorted(range(len(edges)), key=lambda e: (weights[e], e))
+    else:
+        order, separations = slow_separations(edges, lengths, counts)
+        weights = [Fraction(separations[order.index(e)]) for e in range(len(edges))]
     if len(set(weights)) <= 1:
         time_of = dict.fromkeys(edges, Fraction(1))
     else:
         low, high, step = min(weights), max(weights), min(w for w in weights if w > 0)
         time_of = {e: (w - low + step) / (high - low + step) for e, w in zip(edges, weights, strict=True)}
-    edges = sorted(edges, key=lambda edge: (time_of[edge], edge))
+    edges = [edges[e] for e in order]
     times = [time_of[edge] for edge in edges]
 
     classes = {vertex: {vertex} for vertex in range(len(counts))}  # by representative
@@ -140,3 +171,20 @@ def slow_filtration(
         if count and sum(s >= min_size for s in sizes) >= 2 and 2 * max(sizes) <= sum(counts):
             open_steps.append((-count, end))
     return SlowFiltration(edges, times, annexations, per_step, min(open_steps)[1] if open_steps else None)
+
+
+def slow_longest_state(
+    times: list[float], n_concepts: Callable[[float], int], n_objects: int
+) -> float | None:
+    """The time from 0 to 1, of a state that is not the last, by the rule of `longest_state`."""
+    moments = sorted(set(times))
+    states = [(t, following / t, n_concepts(t)) for t, following in pairwise(moments)]
+    states = [state for state in states if state[2] >= 2]
+    if not states:
+        return None
+    most = max(sqrt(n_objects), 2)
+    fewest = max(sqrt(n_objects) / 2, 2)
+    excess = {count: max(fewest - count, count - most, 0) for _, _, count in states}
+    fair = [state for state in states if excess[state[2]] == min(excess.values())]
+    longest = max(lasts for _, lasts, _ in fair)
+    return next(t for t, lasts, _ in fair if lasts == longest)

@@ -47,7 +47,7 @@ def test_rows_are_those_of_whole_objects(objects) -> None:
     one = objects[3]
     of_points = compute_fpfh(one.points, one.normals, 0.03)[one.segment_labels >= 0].sum(axis=0)
     assert rows["mean FPFH"][3] == pytest.approx(of_points / of_points.sum())
-    assert np.array_equal(rows["surflet"][3], describe(one).description.whole())
+    assert np.array_equal(rows["surflet"][3], describe(one, "surflet").description.whole())
     assert np.array_equal(rows["ESF"][3], ensemble_of_shape_functions(one.points))
 
 

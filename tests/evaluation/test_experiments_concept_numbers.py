@@ -10,7 +10,7 @@ from shapeconcepts.evaluation.experiments import concept_numbers
 from shapeconcepts.evaluation.experiments.concept_numbers import ConceptNumbers
 from shapeconcepts.topology import Filtration
 
-pytestmark = pytest.mark.filterwarnings("ignore:no step of the filtration")
+pytestmark = pytest.mark.filterwarnings("ignore:no time of the filtration")
 
 
 def filtration(seed: int, n_objects: int) -> Filtration:

@@ -58,11 +58,12 @@ def test_nothing_reached_gives_the_first() -> None:
     assert choose(Surfaces(nothing, nothing, nothing), (5, 10), (2, 3)) == (5, 2)
 
 
-def test_surfaces_are_those_of_concepts_at_a_time() -> None:
-    described, labels = OBJECTS.described["default"], OBJECTS.labels
+@pytest.mark.parametrize("preset", ["default", "paper"])
+def test_surfaces_are_those_of_concepts_at_a_time(preset: str) -> None:
+    described, labels = OBJECTS.described[preset], OBJECTS.labels
     fitted, left_out = stratified_folds(labels, 4, 0)[0]
-    found = fold_surfaces(described, labels, (fitted, left_out), "default", NUMBERS, SIZES)
-    model = shapeconcepts.ShapeConceptModel().fit([described[i] for i in fitted])
+    found = fold_surfaces(described, labels, (fitted, left_out), preset, NUMBERS, SIZES)
+    model = shapeconcepts.ShapeConceptModel.preset(preset).fit([described[i] for i in fitted])
     times = np.unique(model.filtration_.times)
     seen = 0
     for i, number in enumerate(NUMBERS):
@@ -75,7 +76,7 @@ def test_surfaces_are_those_of_concepts_at_a_time() -> None:
             for k, concept in enumerate(model.filtration_.concepts_at(exact[-1], size)):
                 concept_of[concept.members] = k
             scores = grouping_scores(concept_of, labels[fitted])
-            response = ConceptResponse().fit(model.stimuli_, concept_of)
+            response = ConceptResponse(model.response_distance).fit(model.stimuli_, concept_of)
             errors = svm_errors(
                 response.transform(model.stimuli_),
                 labels[fitted],

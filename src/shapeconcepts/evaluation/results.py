@@ -29,7 +29,7 @@ class FiltrationResult:
     epsilon_max : float or None
         The time of most annexations as the model reports it; None where there is no such time.
     concept_time : float or None
-        Time at which the preset takes its concepts; None where it takes none, or not at one time.
+        Time at which the preset takes its concepts; None where it takes none.
     times : (k,) float64
         The times at which something changes, rising.
     n_concepts : (k,) int64

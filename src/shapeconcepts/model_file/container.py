@@ -88,11 +88,16 @@ def _read_header(
     description = _parse(metadata[_KEY].encode(errors="surrogatepass"), "description")
     version = description.get("format")
     if type(version) is not int or version < 1:
-        raise ModelError(f"has format {version!r:.40}, expected a number from 1 to {FORMAT}")
+        raise ModelError(f"has format {version!r:.40}, expected {FORMAT}")
     if version > FORMAT:
         raise ModelError(
             f"has format {version!s:.40}, written by {description.get('written_by')!s:.60}, which is newer "
             f"than this version of shapeconcepts: it reads format {FORMAT}"
+        )
+    if version < FORMAT:
+        raise ModelError(
+            f"has format {version}, written by {description.get('written_by')!s:.60}, an older version of "
+            f"shapeconcepts: this one reads format {FORMAT}; learn the model again from its scans"
         )
     return _places(header, 8 + length, size), description
 

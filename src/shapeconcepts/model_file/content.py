@@ -58,6 +58,11 @@ def check_description(description: dict[str, Any], n_scans: int, n_concepts: int
             is_share(value) or (value is None and field != "largest_divergence"),
             f"{field} must be a number from 0 to 1, got {value!r:.60}",
         )
+    has_time = description["concept_time"] is not None
+    require(
+        has_time == (n_concepts > 0),
+        f"concept_time must be a number where there are concepts, and only there: {n_concepts} concepts",
+    )
 
 
 def check_content(tensors: Tensors, skipped: list[int], columns_are: str) -> None:

@@ -44,8 +44,8 @@ def load_model(path: str | PathLike[str]) -> ShapeConceptModel:
     Raises
     ------
     ModelError
-        If there is no such file, it is no model, damaged, or newer than this version can read; the message
-        names the file, what was found and what was expected.
+        If there is no such file, it is no model, damaged, or newer or older than this version can read; the
+        message names the file, what was found and what was expected.
     """
     path = Path(path)
     try:

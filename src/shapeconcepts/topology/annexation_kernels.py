@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import heapq
-import math
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -53,54 +50,3 @@ def annex(
         parents[b] = a
         members[a] += members[b]
     return dying, surviving, dying_sizes, surviving_sizes
-
-
-@njit(cache=True)
-def separation_order(
-    edges: NDArray[np.int32], lengths: NDArray[np.float64], sizes: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Order in which classes annex each other, the least separated ones first (Ward's criterion on a tree).
-
-    The separation of two classes of a and b members along an edge of length d is ``d sqrt(a b / (a + b))``.
-    Classes only grow, and so do separations: an edge whose separation has grown since it was queued goes back
-    into the queue.
-
-    Parameters
-    ----------
-    edges : (e, 2) int32
-        A forest.
-    lengths : (e,) float64
-    sizes : (v,) int64
-        Members of the class of each vertex at the start.
-
-    Returns
-    -------
-    order : (e,) int64
-        Edges as they enter; of equally separated ones the first.
-    separations : (e,) float64
-        In this order, rising.
-    """
-    parents = np.arange(len(sizes)).astype(np.int32)
-    members = sizes.astype(np.float64)
-    queue = [(0.0, 0)][:0]
-    for e in range(len(edges)):
-        a, b = members[edges[e, 0]], members[edges[e, 1]]
-        queue.append((lengths[e] * math.sqrt(a * b / (a + b)), e))
-    heapq.heapify(queue)
-    order, separations = np.empty(len(edges), np.int64), np.empty(len(edges))
-    n, latest = 0, 0.0
-    while queue:
-        queued, e = queue[0]
-        first, second = find(parents, edges[e, 0]), find(parents, edges[e, 1])
-        a, b = members[first], members[second]
-        separation = lengths[e] * math.sqrt(a * b / (a + b))
-        if separation > queued:
-            heapq.heapreplace(queue, (separation, e))
-            continue
-        heapq.heappop(queue)
-        latest = max(latest, separation)
-        order[n], separations[n] = e, latest
-        n += 1
-        parents[second] = first
-        members[first] += members[second]
-    return order, separations

@@ -14,9 +14,10 @@ from sklearn.base import BaseEstimator, ClusterMixin
 from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.parameter_checks import check_choice, check_integer
-from shapeconcepts.topology.annexation_kernels import annex, separation_order
+from shapeconcepts.topology.annexation_kernels import annex
 from shapeconcepts.topology.concept import Concept
 from shapeconcepts.topology.medoid_kernels import medoids_of_groups
+from shapeconcepts.topology.separation_kernels import separation_order
 from shapeconcepts.topology.space import TopologicalSpace
 from shapeconcepts.topology.stopping import States, longest_state, most_annexations
 
