@@ -1,4 +1,4 @@
-"""The evaluation as tables in a terminal; figures are means over the repetitions."""
+"""The evaluation as tables in a terminal: scores are medians over the repetitions, errors are means."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def _print_groupings(evaluation: Evaluation) -> None:
     print_table(["groups by", *_SCORE_TITLES], rows)
     typer.echo(
         "explained: share of all objects in a group whose majority label is theirs. AMI: adjusted mutual "
-        "information. Baselines by what they explain."
+        "information. Baselines by what they explain. Medians over the repetitions."
     )
 
 
@@ -140,20 +140,20 @@ def _print_map(result: MapResult) -> None:
 
 
 def _scores(scores: Sequence[GroupingScores]) -> list[str]:
-    def mean(name: str) -> float:
+    def median(name: str) -> float:
         values = np.array([getattr(one, name) for one in scores], float)
-        return float(values[~np.isnan(values)].mean()) if not np.isnan(values).all() else np.nan
+        return float(np.nanmedian(values)) if not np.isnan(values).all() else np.nan
 
     shares = ("mean_purity", "pure_share", "coverage", "explained")
     return [
-        f"{mean('n_groups'):.1f}",
-        *[_percent(mean(name)) for name in shares],
-        *[f"{mean(name):.2f}" for name in ("adjusted_mutual_information", "b_cubed_f1")],
+        f"{median('n_groups'):.0f}",
+        *[_percent(median(name)) for name in shares],
+        *[f"{median(name):.2f}" for name in ("adjusted_mutual_information", "b_cubed_f1")],
     ]
 
 
 def _explained(row: BaselineRow) -> float:
-    return float(np.mean([one.explained for one in row.scores]))
+    return float(np.median([one.explained for one in row.scores]))
 
 
 def _error_row(name: str, errors: dict[str, list[float]], labels: Sequence[str]) -> list[str]:
