@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from itertools import pairwise
+from collections.abc import Iterable, Sequence
 from numbers import Real
-from typing import TypeVar
 
 import numpy as np
-from joblib import Parallel, delayed, effective_n_jobs
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 from sklearn.base import BaseEstimator, TransformerMixin, clone
@@ -17,6 +14,7 @@ from sklearn.utils.validation import check_is_fitted
 from shapeconcepts.descriptors.described_object import DescribedObject, describe
 from shapeconcepts.descriptors.protocol import Descriptor
 from shapeconcepts.descriptors.registry import get_descriptor
+from shapeconcepts.motifs.chunks import in_chunks
 from shapeconcepts.motifs.dictionary import SegmentDictionary
 from shapeconcepts.motifs.explanation import Explanation, explain_by_prototypes, explain_propagation
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
@@ -27,9 +25,6 @@ from shapeconcepts.parameter_checks import check_choice, check_integer
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 COLUMNS = ("prototypes", "motifs")
-
-Item = TypeVar("Item")
-Result = TypeVar("Result")
 
 
 class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
@@ -282,7 +277,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
                 )
         flat = [one for one in objects if isinstance(one, DescribedObject)]
         if len(flat) < len(objects):
-            flat = _in_chunks(_describe_all, objects, self.n_jobs, None, get_descriptor(self.descriptor))
+            flat = in_chunks(_describe_all, objects, self.n_jobs, None, get_descriptor(self.descriptor))
         n_bins = sorted({one.description.n_bins for one in flat})
         if len(n_bins) > 1:
             raise ValueError(f"X must hold objects described by one number of bins, got {n_bins}")
@@ -292,12 +287,12 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         # The kernels run without Python's lock, so threads do, and nothing is copied.
         rows: list[SparseRow]
         if self._columns == "prototypes":
-            rows = _in_chunks(prototype_rows, activations, self.n_jobs, "threads", self.prototype_field_)
+            rows = in_chunks(prototype_rows, activations, self.n_jobs, "threads", self.prototype_field_)
             return sparse_rows(rows, len(self.columns_))
         column_of = np.full(self.hierarchies_.n_vertices, -1, np.int32)
         column_of[self.columns_] = np.arange(len(self.columns_))
         known = (self.hierarchies_, column_of, float(self.bandwidth))
-        rows = _in_chunks(stimuli_rows, activations, self.n_jobs, "threads", *known)
+        rows = in_chunks(stimuli_rows, activations, self.n_jobs, "threads", *known)
         return sparse_rows(rows, len(self.columns_))
 
     @property
@@ -331,25 +326,6 @@ def _supported_vertices(hierarchies: MotifHierarchies, min_support: int) -> NDAr
     # orders by number first.
     order = np.lexsort((*words.T[::-1], hierarchies.dictionary_levels[supported]))
     return supported[order]
-
-
-def _in_chunks(
-    function: Callable[..., list[Result]],
-    items: list[Item],
-    n_jobs: int | None,
-    prefer: str | None,
-    *arguments: object,
-) -> list[Result]:
-    """Apply a function of a list to equal shares of it, several for each job, so that none waits for long."""
-    n_jobs = effective_n_jobs(n_jobs)
-    if n_jobs == 1 or len(items) < 2:
-        return function(items, *arguments)
-    n_chunks = min(len(items), 4 * n_jobs)
-    bounds = [i * len(items) // n_chunks for i in range(n_chunks + 1)]
-    chunks = Parallel(n_jobs, prefer=prefer)(
-        delayed(function)(items[start:end], *arguments) for start, end in pairwise(bounds)
-    )
-    return [result for chunk in chunks for result in chunk]
 
 
 def _describe_all(

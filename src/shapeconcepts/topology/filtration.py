@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import warnings
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_matrix, sparray, spmatrix
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse import sparray, spmatrix
 from sklearn.base import BaseEstimator, ClusterMixin
 from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.parameter_checks import check_choice, check_integer
 from shapeconcepts.topology.annexation_kernels import annex
 from shapeconcepts.topology.concept import Concept
+from shapeconcepts.topology.groups import Groups, members_of_groups
 from shapeconcepts.topology.medoid_kernels import medoids_of_groups
 from shapeconcepts.topology.separation_kernels import separation_order
 from shapeconcepts.topology.space import TopologicalSpace
@@ -26,15 +26,6 @@ if TYPE_CHECKING:
 
 HEATS = ("separation", "geodesic")
 STOPS = ("lifetime", "annexations")
-
-
-class _Groups(NamedTuple):
-    """Groups at a time: of each vertex, of each object (-1: no place), and those that are large enough."""
-
-    n_groups: int
-    of_vertex: NDArray[np.int32]
-    of_object: NDArray[np.int32]
-    chosen: NDArray[np.int64]
 
 
 class Filtration(ClusterMixin, BaseEstimator):
@@ -227,7 +218,7 @@ class Filtration(ClusterMixin, BaseEstimator):
 
         check_is_fitted(self)
         graph = networkx.DiGraph()
-        objects, starts = _members(self.space_.vertices_, len(self.space_.multiplicities_))
+        objects, starts = members_of_groups(self.space_.vertices_, len(self.space_.multiplicities_))
         for vertex, (start, end) in enumerate(pairwise(starts)):
             graph.add_node(vertex, objects=objects[start:end].tolist())
         for (dying, surviving), time in zip(self.annexations_.tolist(), self.times_.tolist(), strict=True):
@@ -254,18 +245,18 @@ class Filtration(ClusterMixin, BaseEstimator):
         ValueError
             If `time` is not between 0 and 1, or `min_size` is not a positive integer.
         """
-        groups = self._groups_at(time, min_size)
+        groups, chosen = self._groups_at(time, min_size)
         n_joined = int(np.searchsorted(self.times_, time, side="right"))
         births = np.zeros(groups.n_groups)
         np.maximum.at(births, groups.of_vertex[self.edges_[:n_joined, 0]], self.times_[:n_joined])
         deaths = np.full(groups.n_groups, np.inf)
         for end in self.edges_[n_joined:].T:
             np.minimum.at(deaths, groups.of_vertex[end], self.times_[n_joined:])
-        members, starts = _members(groups.of_object, groups.n_groups)
-        medoids = self._medoids(groups.chosen, *_members(groups.of_vertex, groups.n_groups))
+        members, starts = members_of_groups(groups.of_object, groups.n_groups)
+        medoids = self._medoids(chosen, *members_of_groups(groups.of_vertex, groups.n_groups))
         return [
             Concept(members[starts[k] : starts[k + 1]], medoid, float(births[k]), float(deaths[k]))
-            for k, medoid in zip(groups.chosen.tolist(), medoids.tolist(), strict=True)
+            for k, medoid in zip(chosen.tolist(), medoids.tolist(), strict=True)
         ]
 
     def labels_at(self, time: float, min_size: int | None = None) -> NDArray[np.int32]:
@@ -273,28 +264,21 @@ class Filtration(ClusterMixin, BaseEstimator):
 
         Parameters and errors are those of `concepts_at`, which takes longer.
         """
-        groups = self._groups_at(time, min_size)
+        groups, chosen = self._groups_at(time, min_size)
         number_of = np.full(groups.n_groups + 1, -1, np.int32)
-        number_of[groups.chosen] = np.arange(len(groups.chosen))
+        number_of[chosen] = np.arange(len(chosen))
         return number_of[groups.of_object]
 
-    def _groups_at(self, time: float, min_size: int | None) -> _Groups:
+    def _groups_at(self, time: float, min_size: int | None) -> tuple[Groups, NDArray[np.int64]]:
+        """Groups at a time, and those that are large enough, the largest first."""
         check_is_fitted(self)
         if not 0 <= time <= 1:
             raise ValueError(f"time must be between 0 and 1, got {time!r}")
         smallest = self.min_concept_size if min_size is None else min_size
         check_integer("min_size", smallest, 1)
-        n_vertices = len(self.space_.multiplicities_)
-        n_joined = int(np.searchsorted(self.times_, time, side="right"))
-        joined = self.edges_[:n_joined]
-        adjacency = coo_matrix((np.ones(n_joined), (joined[:, 0], joined[:, 1])), (n_vertices, n_vertices))
-        n_groups, of_vertex = connected_components(adjacency, directed=False)
-        # The last entry is for objects without a place, whose vertex is -1.
-        of_object = np.append(of_vertex, -1)[self.space_.vertices_]
-        sizes = np.bincount(of_object[of_object >= 0], minlength=n_groups)
-        # Groups are numbered by their smallest vertex.
-        largest_first = np.argsort(-sizes, kind="stable")
-        return _Groups(n_groups, of_vertex, of_object, largest_first[sizes[largest_first] >= smallest])
+        joined = self.edges_[: np.searchsorted(self.times_, time, side="right")]
+        groups = Groups.connected_by(joined, len(self.space_.multiplicities_), self.space_.vertices_)
+        return groups, groups.of_size(smallest)
 
     def _medoids(
         self, groups: NDArray[np.int64], vertices: NDArray[np.int64], starts: NDArray[np.int64]
@@ -311,7 +295,7 @@ class Filtration(ClusterMixin, BaseEstimator):
             starts,
             groups,
         )
-        objects, object_starts = _members(self.space_.vertices_, rows.shape[0])
+        objects, object_starts = members_of_groups(self.space_.vertices_, rows.shape[0])
         return objects[object_starts[places]]
 
     def _labels(self, concepts: list[Concept]) -> NDArray[np.int32]:
@@ -339,9 +323,3 @@ def _times(edge_heat: NDArray[np.float64]) -> NDArray[np.float64]:
     smallest = edge_heat[edge_heat > 0].min()
     coldest = edge_heat.min()
     return (edge_heat - coldest + smallest) / (edge_heat.max() - coldest + smallest)
-
-
-def _members(group_of: NDArray[np.int32], n_groups: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Positions by group, rising within each, and where each group starts; group -1 is left out."""
-    starts = np.concatenate([[0], np.cumsum(np.bincount(group_of[group_of >= 0], minlength=n_groups))])
-    return np.argsort(group_of, kind="stable")[len(group_of) - starts[-1] :], starts
