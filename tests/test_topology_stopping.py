@@ -89,8 +89,10 @@ def states(times: list[float], n_concepts: list[int], n_objects: int) -> States:
 
 def test_rule():
     # Of 2 to 4 concepts of 16 objects, the one that lasts longest for its time, not by the clock.
-    assert longest_state(states([0.1, 0.3, 0.5, 0.9, 1], [2, 3, 3, 2, 1], 16)) == 0.1
-    assert longest_state(states([0.1, 0.11, 0.5, 0.9, 1], [2, 3, 3, 2, 1], 16)) == 0.11
+    assert longest_state(states([0.1, 0.15, 0.5, 0.9, 1], [3, 3, 2, 2, 1], 16)) == 0.15
+    assert longest_state(states([0.1, 0.15, 0.25, 0.9, 1], [3, 3, 2, 2, 1], 16)) == 0.25
+    # As long as they become more, most objects are in none.
+    assert longest_state(states([0.1, 0.3, 0.5, 0.9, 1], [2, 3, 3, 2, 1], 16)) == 0.5
     # More concepts than 4 last longer, but do not compete.
     assert longest_state(states([0.01, 0.5, 0.6, 0.9, 1], [5, 4, 3, 2, 1], 16)) == 0.6
     # Of 5 to 10 concepts of 100 objects; without any, the nearest.
@@ -100,7 +102,7 @@ def test_rule():
     assert longest_state(states([0.1, 0.1, 0.5, 1], [4, 3, 1, 1], 16)) == 0.1
     assert longest_state(states([0.1, 0.1, 0.5, 1], [4, 1, 1, 1], 16)) is None
     # The first of equally long ones.
-    assert longest_state(states([0.125, 0.25, 0.5, 1], [2, 2, 2, 1], 16)) == 0.125
+    assert longest_state(states([0.1, 0.125, 0.25, 0.5, 1], [3, 2, 2, 2, 1], 16)) == 0.125
 
 
 @pytest.mark.parametrize(

@@ -182,6 +182,9 @@ def slow_longest_state(
     states = [state for state in states if state[2] >= 2]
     if not states:
         return None
+    highest = max(count for _, _, count in states)
+    while any(count == highest for _, _, count in states[1:]):
+        states = states[1:]
     most = max(sqrt(n_objects), 2)
     fewest = max(sqrt(n_objects) / 2, 2)
     excess = {count: max(fewest - count, count - most, 0) for _, _, count in states}

@@ -52,7 +52,8 @@ def longest_state(states: States) -> float | None:
 
     How long a grouping outlives the annexation that made it says how clearly its groups are apart. Coarse
     groupings outlive fine ones for no better reason than that fewer annexations are left, so only those with
-    sqrt(n) / 2 to sqrt(n) concepts of n objects compete; where there are none, those nearest to this range.
+    sqrt(n) / 2 to sqrt(n) concepts of n objects compete; where there are none, those nearest to this range. The
+    number of concepts first rises, as objects find each other, then falls; only the fall counts.
 
     Returns
     -------
@@ -62,9 +63,12 @@ def longest_state(states: States) -> float | None:
     times = states.times
     # A state of several annexations at one time is there after the last of them.
     is_last = np.append(times[1:] > times[:-1], False) if len(times) else np.empty(0, bool)
-    candidates = np.flatnonzero(is_last & (states.n_concepts >= 2))
-    if len(candidates) == 0:
+    is_open = is_last & (states.n_concepts >= 2)
+    if not is_open.any():
         return None
+    # Before the concepts are most, objects still find each other, and most are in none.
+    peak = np.flatnonzero(is_open & (states.n_concepts == states.n_concepts[is_open].max()))[-1]
+    candidates = peak + np.flatnonzero(is_open[peak:])
     most = max(np.sqrt(states.n_objects), 2.0)
     fewest = max(most / 2, 2.0)
     counts = states.n_concepts[candidates]
