@@ -22,6 +22,8 @@ COMMANDS = (
     "discrimination.py",
     "baselines.py",
     "stimuli_ablation.py --repeats 2",
+    "concept_quality.py",
+    "concept_ablation.py",
     "motif_rigid_motion.py",
     "motif_speed.py",
     "spanning_tree.py --large --scipy",

@@ -29,7 +29,7 @@ def half_of_the_points(scan: Scan, rng: np.random.Generator) -> Scan:
 
 
 def third_hidden(scan: Scan, rng: np.random.Generator) -> Scan:
-    """Without the points beyond a line across the image, in a random direction, that takes a third of them."""
+    """Without the third of the points that is beyond a line across the image in a random direction."""
     viewpoint, _, _ = _seen(scan)
     rays = scan.points - viewpoint
     axis = rays.mean(axis=0)
@@ -50,7 +50,7 @@ def twice_the_noise(scan: Scan, rng: np.random.Generator) -> Scan:
     rays /= distance[:, None]
     normals = prepared.normals[cKDTree(prepared.points).query(scan.points)[1]]
     angle = np.arccos(np.clip(np.abs(np.einsum("ij,ij->i", normals, rays)), 0, 1))
-    deviation = SensorModel().axial_noise(distance if is_measured else USUAL_DISTANCE, angle)
+    deviation = SensorModel().axial_noise(distance if is_measured else np.array(USUAL_DISTANCE), angle)
     steps = np.sqrt(3) * deviation * rng.normal(size=len(scan))
     return replace(scan, points=scan.points + steps[:, None] * rays)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentParser
 from collections.abc import Callable, Sequence
 from itertools import combinations
 from typing import NamedTuple
@@ -16,10 +17,10 @@ from shapeconcepts.evaluation import (
     GroupingScores,
     grouping_scores,
     mean_error_over_labels,
-    stratified_splits,
     svm_predictions,
 )
 from shapeconcepts.evaluation.experiments.concept_responses import ResponseDistances
+from shapeconcepts.evaluation.splits import Split
 
 SETS = ("seven_shapes", "simulated", "osd_learn", "restaurant_views")
 SUBSET_SHARE = 0.9
@@ -35,7 +36,7 @@ class SplitResult(NamedTuple):
     told: NDArray[np.str_]
 
 
-def scans_by_set(parser: object, names: Sequence[str], seeds: Sequence[int]) -> dict[str, list[Scan]]:
+def scans_by_set(parser: ArgumentParser, names: Sequence[str], seeds: Sequence[int]) -> dict[str, list[Scan]]:
     """Labelled scans by the name of the set; "simulated" stands for a set of each seed."""
     scans = {}
     for name in names:
@@ -48,11 +49,14 @@ def scans_by_set(parser: object, names: Sequence[str], seeds: Sequence[int]) -> 
 
 
 def on_splits(
-    learn: Learn, described: Sequence[DescribedObject], labels: NDArray[np.str_], repeats: int
+    learn: Learn,
+    described: Sequence[DescribedObject],
+    labels: NDArray[np.str_],
+    splits: Sequence[Split],
 ) -> list[SplitResult]:
-    """Learn from 75 % of the objects of each label, in several splits."""
+    """Learn from the training objects of each split."""
     results = []
-    for training, new in stratified_splits(labels, repeats, random_state=0):
+    for training, new in splits:
         model = learn([described[i] for i in training])
         stimuli = model.stimuli([described[i] for i in new])
         responses = ResponseDistances.of(model, stimuli).responses(model.labels_)
@@ -61,11 +65,13 @@ def on_splits(
     return results
 
 
-def pooled_svm_error(results: Sequence[SplitResult], labels: NDArray[np.str_]) -> float:
+def pooled_svm_error(
+    results: Sequence[SplitResult], labels: NDArray[np.str_], splits: Sequence[Split]
+) -> float:
     """Error on concept responses in percent, averaged over labels, of the new objects of all splits."""
-    new = [test for _, test in stratified_splits(labels, len(results), random_state=0)]
+    true = np.concatenate([labels[new] for _, new in splits])
     told = np.concatenate([one.told for one in results])
-    return 100 * mean_error_over_labels(labels[np.concatenate(new)], told)[1]
+    return 100 * mean_error_over_labels(true, told)[1]
 
 
 def median_scores(results: Sequence[SplitResult]) -> GroupingScores:
