@@ -1,4 +1,4 @@
-"""Runs every benchmark, one after the other: about half an hour on the machine of BENCHMARK.md.
+"""Runs every benchmark, one after the other: about an hour on the machine of BENCHMARK.md.
 
     python -m benchmarks
 
