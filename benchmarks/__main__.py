@@ -1,4 +1,4 @@
-"""Runs every benchmark, one after the other: about half an hour on the machine of BENCHMARK.md.
+"""Runs every benchmark, one after the other: about an hour on the machine of BENCHMARK.md.
 
     python -m benchmarks
 
@@ -22,6 +22,8 @@ COMMANDS = (
     "discrimination.py",
     "baselines.py",
     "stimuli_ablation.py --repeats 2",
+    "concept_quality.py",
+    "concept_ablation.py",
     "motif_rigid_motion.py",
     "motif_speed.py",
     "spanning_tree.py --large --scipy",

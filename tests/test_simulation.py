@@ -172,3 +172,9 @@ def test_bezier_agrees_with_bernstein_polynomials():
     t = np.linspace(0.0, 1.0, 9)[:, None]
     weights = np.hstack([(1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3])
     assert_allclose(bezier(control, t[:, 0]), weights @ control, atol=1e-14)
+
+
+def test_a_view_of_nothing_is_drawn_again():
+    # In its second view, what stands in front shades the whole ball.
+    scan = simulate_scan("ball", 33, random_state=201)
+    assert len(scan) >= 400

@@ -88,14 +88,18 @@ def simulate_scan(category: str, index: int, *, random_state: int = 0) -> Scan:
     mesh = SHAPES[category](rng)
     occlusion = rng.uniform(0.1, _LARGEST_OCCLUSION) if rng.random() < _OCCLUDED_SHARE else 0.0
     for _ in range(_MOST_VIEWS):
-        scan = scan_mesh(
-            *mesh[:2],
-            face_labels=mesh.face_labels,
-            occlusion=occlusion,
-            random_state=rng,
-            name=f"{category}_{index}",
-            label=category,
-        )
+        try:
+            scan = scan_mesh(
+                *mesh[:2],
+                face_labels=mesh.face_labels,
+                occlusion=occlusion,
+                random_state=rng,
+                name=f"{category}_{index}",
+                label=category,
+            )
+        except ScanError:
+            # What stands in front can put all of it into the projector's shadow.
+            continue
         if len(scan) >= _FEWEST_POINTS:
             return scan
     raise ScanError(f"{category}_{index}: fewer than {_FEWEST_POINTS} points in each of {_MOST_VIEWS} views")

@@ -1,0 +1,85 @@
+"""What each choice of the default preset does to the concepts: one is changed at a time.
+
+    python benchmarks/concept_ablation.py [--only SET ...]
+
+Scores are those of concept_quality.py: medians over 5 splits of the number of concepts, "explained" and
+"AMI"; the error of a support vector machine on concept responses, over the new objects of these splits
+together; and the stability over 10 subsets. "motifs as columns" was the default before columns were
+prototypes: surflet histograms, words of 8 levels, bandwidth 0.1.
+"""
+
+import os
+
+os.environ["OMP_NUM_THREADS"] = "1"
+
+import warnings
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+
+from common import command, print_table
+from concept_scores import SETS, median_scores, on_splits, pooled_svm_error, scans_by_set, stability
+from shapeconcepts import ShapeConceptModel, describe, segment
+from shapeconcepts.evaluation import stratified_splits
+
+SEEDS = (200,)
+REPEATS = 5
+N_SUBSETS = 10
+DESCRIPTORS = ("surflet+fpfh", "surflet", "fpfh")
+
+Model = Callable[[], ShapeConceptModel]
+VARIANTS: dict[str, Model] = {
+    "default": ShapeConceptModel,
+    "descriptor surflet": partial(ShapeConceptModel, descriptor="surflet"),
+    "descriptor fpfh": partial(ShapeConceptModel, descriptor="fpfh"),
+    "motifs as columns": partial(
+        ShapeConceptModel, descriptor="surflet", columns="motifs", n_levels=8, bandwidth=0.1
+    ),
+    **{f"{n} neighbours": partial(ShapeConceptModel, n_neighbours=n) for n in (10, 20, 40, 80)},
+    **{f"{n} level{'s' * (n > 1)}": partial(ShapeConceptModel, n_levels=n) for n in (1, 2, 6, 8)},
+    "own prototypes count": partial(ShapeConceptModel, leave_own_out=False),
+    "heat geodesic": partial(ShapeConceptModel, heat="geodesic"),
+    "stop annexations": partial(ShapeConceptModel, stop="annexations"),
+    "heat geodesic, stop annexations": partial(ShapeConceptModel, heat="geodesic", stop="annexations"),
+    "response mahalanobis": partial(ShapeConceptModel, response_distance="mahalanobis"),
+    "preset paper": partial(ShapeConceptModel.preset, "paper"),
+}
+
+
+def fit(model: Model, objects: Sequence[object]) -> ShapeConceptModel:
+    return model().fit(objects)
+
+
+def main() -> None:
+    parser = command(__doc__)
+    parser.add_argument("--only", nargs="+", choices=SETS, default=SETS, metavar="SET")
+    options = parser.parse_args()
+    warnings.simplefilter("ignore")
+    for data, scans in scans_by_set(parser, options.only, SEEDS).items():
+        labels = np.array([scan.label for scan in scans])
+        segmented = [segment(scan) for scan in scans]
+        described = {name: [describe(one, name) for one in segmented] for name in DESCRIPTORS}
+        splits = stratified_splits(labels, REPEATS, random_state=0)
+        table = []
+        for name, model in VARIANTS.items():
+            objects = described[str(model().descriptor)]
+            learn = partial(fit, model)
+            results = on_splits(learn, objects, labels, splits)
+            scores = median_scores(results)
+            table.append(
+                (
+                    name,
+                    f"{scores.n_groups:.0f}",
+                    f"{scores.explained:.3f}",
+                    f"{scores.adjusted_mutual_information:.3f}",
+                    f"{pooled_svm_error(results, labels, splits):.1f}",
+                    f"{stability(learn, objects, N_SUBSETS):.3f}",
+                )
+            )
+        print_table((data, "concepts", "explained", "AMI", "SVM, %", "stability"), table)
+        print(flush=True)
+
+
+if __name__ == "__main__":
+    main()
