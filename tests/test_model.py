@@ -306,6 +306,18 @@ def test_parameters_out_of_range(parameters, message, scans):
         ShapeConceptModel(**parameters).fit(scans[:4])
 
 
+@pytest.mark.parametrize(
+    "parameters", [{"heat": "mean"}, {"columns": "words"}, {"response_distance": "cosine"}]
+)
+def test_wrong_parameters_are_refused_before_scans_are_read(parameters):
+    def scans():
+        raise AssertionError("scans are read")
+        yield
+
+    with pytest.raises(ValueError, match="must be one of"):
+        ShapeConceptModel(**parameters).fit(scans())
+
+
 def test_in_a_pipeline(segmented, scans):
     labels = np.array([scan.label for scan in scans])
     pipeline = make_pipeline(ShapeConceptModel(n_levels=4), SVC()).fit(segmented, labels)

@@ -14,9 +14,11 @@ from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.concepts import ConceptResponse
+from shapeconcepts.concepts.response import DISTANCES
 from shapeconcepts.descriptors import DescribedObject, Descriptor, describe, get_descriptor
 from shapeconcepts.io import ScanWarning
 from shapeconcepts.motifs import Explanation, MotifHierarchyEnsemble, SegmentDictionary
+from shapeconcepts.parameter_checks import check_choice
 from shapeconcepts.scan import ScanError
 from shapeconcepts.segmentation import SegmentedObject, segment
 from shapeconcepts.topology import Concept, Filtration
@@ -174,13 +176,8 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         UserWarning
             If the filtration finds no concepts.
         """
-        scans = list(X)
-        described, self.skipped_ = self._describe(scans)
-        self.scan_names_ = [str(getattr(scan, "name", "") or "") for scan in scans]
-        self.scan_labels_ = [getattr(scan, "label", None) for scan in scans]
-        dictionary = SegmentDictionary(self.n_levels, self.word_metric)
-        self.ensemble_ = MotifHierarchyEnsemble(
-            dictionary,
+        ensemble = MotifHierarchyEnsemble(
+            SegmentDictionary(self.n_levels, self.word_metric),
             descriptor=self.descriptor,
             columns=self.columns,
             n_neighbours=self.n_neighbours,
@@ -188,14 +185,22 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
             leave_own_out=self.leave_own_out,
             min_support=self.min_support,
             n_jobs=self.n_jobs,
-        ).fit([one for one in described if one])
-        self.stimuli_ = _spread(self.ensemble_.stimuli_, described)
-        self.filtration_ = Filtration(self.min_concept_size, self.max_steps, self.heat, self.stop).fit(
-            self.stimuli_
         )
+        filtration = Filtration(self.min_concept_size, self.max_steps, self.heat, self.stop)
+        response = ConceptResponse(check_choice("response_distance", self.response_distance, DISTANCES))
+        # What is wrong is said before hours of segmentation.
+        ensemble.check_parameters()
+        filtration.check_parameters()
+        scans = list(X)
+        described, self.skipped_ = self._describe(scans)
+        self.scan_names_ = [str(getattr(scan, "name", "") or "") for scan in scans]
+        self.scan_labels_ = [getattr(scan, "label", None) for scan in scans]
+        self.ensemble_ = ensemble.fit([one for one in described if one])
+        self.stimuli_ = _spread(self.ensemble_.stimuli_, described)
+        self.filtration_ = filtration.fit(self.stimuli_)
         self.concepts_: list[Concept] = self.filtration_.concepts_
         self.labels_: NDArray[np.int32] = self.filtration_.labels_
-        self.response_ = ConceptResponse(self.response_distance).fit(self.stimuli_, self.labels_)
+        self.response_ = response.fit(self.stimuli_, self.labels_)
         return self
 
     def stimuli(self, X: Iterable[object]) -> csr_matrix:

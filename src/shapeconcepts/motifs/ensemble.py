@@ -139,7 +139,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
             If a parameter is out of range, X is empty or holds something else, or an object has more than 16
             segments.
         """
-        self._check_parameters()
+        self.check_parameters()
         described = self._described(X)
         dictionary = self._fitted_dictionary(described)
         n_bins = described[0].description.n_bins
@@ -159,7 +159,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         """
         if not hasattr(self, "hierarchies_"):
             return self.fit(X)
-        self._check_parameters()
+        self.check_parameters()
         return self._learn(self._described(X), self.dictionary_, self.hierarchies_)
 
     def transform(self, X: Iterable[SegmentedObject | DescribedObject]) -> csr_matrix:
@@ -181,7 +181,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
             If X holds something else, or an object has more than 16 segments or other histograms.
         """
         check_is_fitted(self, "hierarchies_")
-        self._check_parameters()
+        self.check_parameters()
         described = self._described(X, allow_empty=True)
         propagations = [propagate(one, self.dictionary_) for one in described]
         return self._stimuli([(p.histograms, self.hierarchies_.activated(p.words), -1) for p in propagations])
@@ -205,7 +205,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
             for each column of the row.
         """
         check_is_fitted(self, "hierarchies_")
-        self._check_parameters()
+        self.check_parameters()
         (described,) = self._described([X])
         propagation = propagate(described, self.dictionary_)
         if self._columns == "prototypes":
@@ -227,7 +227,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
     def stimuli_(self) -> csr_matrix:
         """Rows of the training objects, computed when they are first asked for."""
         check_is_fitted(self, "hierarchies_")
-        self._check_parameters()
+        self.check_parameters()
         parameters = (float(self.bandwidth), bool(self.leave_own_out), self.n_neighbours)
         if self._training_stimuli is None or self._stimuli_parameters != parameters:
             self._stimuli_parameters = parameters
@@ -304,7 +304,8 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
             self._prototype_field = PrototypeField.of(self.hierarchies_, n_neighbours)
         return self._prototype_field
 
-    def _check_parameters(self) -> None:
+    def check_parameters(self) -> None:
+        """Raise a ValueError if a parameter is out of range."""
         check_choice("columns", self.columns, COLUMNS)
         if self.n_neighbours is not None:
             check_integer("n_neighbours", self.n_neighbours, 1)

@@ -102,12 +102,16 @@ class Filtration(ClusterMixin, BaseEstimator):
         UserWarning
             If there is no time at which the objects fall into at least two concepts.
         """
+        self.check_parameters()
+        self._filter(TopologicalSpace().fit(X))
+        return self
+
+    def check_parameters(self) -> None:
+        """Raise a ValueError if a parameter is out of range."""
         check_choice("heat", self.heat, HEATS)
         check_choice("stop", self.stop, STOPS)
         check_integer("min_concept_size", self.min_concept_size, 2)
         check_integer("max_steps", self.max_steps, 1)
-        self._filter(TopologicalSpace().fit(X))
-        return self
 
     def _filter(self, space: TopologicalSpace) -> None:
         states = self._annex(space)
