@@ -78,8 +78,9 @@ def excerpt_of(
         for constellation, vertex in zip(propagation.constellations.tolist(), vertices.tolist(), strict=True)
     }
     stimulus_of: dict[int, float] = {}
-    for motif in ensemble.explain(segmented).motifs:
-        if ensemble.columns == "prototypes" or motif.dictionary_level == dictionary_level:
+    explanation = ensemble.explain(segmented)
+    for motif in explanation.motifs:
+        if explanation.columns == "prototypes" or motif.dictionary_level == dictionary_level:
             stimulus_of.setdefault(vertex_of[motif.segments], motif.stimulus)
     # Constellations whose motif is unknown at this level.
     stimulus_of.pop(-1, None)
