@@ -86,9 +86,9 @@ def learn(
         typer.Option(min=2, metavar="N", show_default="3", help="Smallest number of scans in a concept."),
     ] = None,
     descriptor: Annotated[
-        Literal["surflet+fpfh", "surflet", "fpfh"] | None,
+        Literal["surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"] | None,
         typer.Option(
-            show_default="surflet+fpfh, paper: fpfh",
+            show_default="surflet+fpfh+curvature, paper: fpfh",
             help="What describes a segment: pairs of points, FPFH, or both.",
         ),
     ] = None,

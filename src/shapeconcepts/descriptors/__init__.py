@@ -1,5 +1,6 @@
 """Descriptors: histograms of segments that add up over sets of segments."""
 
+from shapeconcepts.descriptors.curvature import Curvature, compute_principal_curvatures
 from shapeconcepts.descriptors.described_object import DescribedObject, describe
 from shapeconcepts.descriptors.fpfh import FPFH, compute_fpfh
 from shapeconcepts.descriptors.joint import Joint
@@ -9,12 +10,14 @@ from shapeconcepts.descriptors.surflet import Surflet
 
 __all__ = [
     "FPFH",
+    "Curvature",
     "DescribedObject",
     "Description",
     "Descriptor",
     "Joint",
     "Surflet",
     "compute_fpfh",
+    "compute_principal_curvatures",
     "describe",
     "get_descriptor",
 ]

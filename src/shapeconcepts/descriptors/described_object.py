@@ -37,13 +37,13 @@ class DescribedObject:
         return self.description.n_segments
 
 
-def describe(segmented: SegmentedObject, descriptor: str | Descriptor = "surflet+fpfh") -> DescribedObject:
+def describe(segmented: SegmentedObject, descriptor: str | Descriptor = "surflet+fpfh+curvature") -> DescribedObject:
     """Describe the segments of an object.
 
     Parameters
     ----------
     segmented : SegmentedObject
-    descriptor : {"surflet+fpfh", "surflet", "fpfh"} or Descriptor
+    descriptor : {"surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"} or Descriptor
 
     Raises
     ------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from shapeconcepts.descriptors.curvature import Curvature
 from shapeconcepts.descriptors.fpfh import FPFH
 from shapeconcepts.descriptors.joint import Joint
 from shapeconcepts.descriptors.protocol import Descriptor
@@ -10,7 +11,9 @@ from shapeconcepts.descriptors.surflet import Surflet
 DESCRIPTORS: dict[str, Descriptor] = {
     "fpfh": FPFH(),
     "surflet": Surflet(),
+    "curvature": Curvature(),
     "surflet+fpfh": Joint((Surflet(), FPFH())),
+    "surflet+fpfh+curvature": Joint((Surflet(), FPFH(), Curvature())),
 }
 
 
@@ -19,7 +22,7 @@ def get_descriptor(descriptor: str | Descriptor) -> Descriptor:
 
     Parameters
     ----------
-    descriptor : {"surflet+fpfh", "surflet", "fpfh"} or Descriptor
+    descriptor : {"surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"} or Descriptor
 
     Raises
     ------

@@ -41,7 +41,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
         A fitted one is used as it is; one that is not fitted, or None for the default, is learned from the
         segments of the objects of the first `fit` or `partial_fit`. scikit-learn's `clone` forgets what a
         dictionary learned; wrap it in `sklearn.frozen.FrozenEstimator` where it must not.
-    descriptor : {"surflet+fpfh", "surflet", "fpfh"} or Descriptor
+    descriptor : {"surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"} or Descriptor
         Describes objects that come without a description.
     columns : {"prototypes", "motifs"}
         What a column of the stimuli stands for: one prototype, see `PrototypeField`; or a motif vertex with
@@ -81,7 +81,7 @@ class MotifHierarchyEnsemble(TransformerMixin, BaseEstimator):
     def __init__(
         self,
         dictionary: SegmentDictionary | None = None,
-        descriptor: str | Descriptor = "surflet+fpfh",
+        descriptor: str | Descriptor = "surflet+fpfh+curvature",
         columns: str = "prototypes",
         n_neighbours: int | None = None,
         bandwidth: float = 0.1,

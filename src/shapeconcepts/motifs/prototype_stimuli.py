@@ -13,7 +13,7 @@ from shapeconcepts.motifs.prototype_kernels import neighbourhood_scales, prototy
 from shapeconcepts.motifs.stimuli import Activation, SparseRow
 
 # Sigma in parts of the divergence to the N-th neighbour.
-WIDTH = 0.5
+WIDTH = 0.35
 SMALLEST_KERNEL = 1e-3
 
 

@@ -40,7 +40,7 @@ def draw_dictionary(
     objects: Sequence[SegmentedObject] | None = None,
     path: str | PathLike[str] | None = None,
     *,
-    descriptor: str | Descriptor = "surflet+fpfh",
+    descriptor: str | Descriptor = "surflet+fpfh+curvature",
     n_levels: int = 3,
     n_examples: int = 4,
 ) -> Image.Image:
@@ -54,7 +54,7 @@ def draw_dictionary(
         The objects that it was learned from, in the same order. Without them the tree has no examples.
     path : path, optional
         Where to save the picture; the ending chooses the format (`.png`, `.jpg`, `.webp`).
-    descriptor : {"surflet+fpfh", "surflet", "fpfh"} or Descriptor
+    descriptor : {"surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"} or Descriptor
         What the segments were described by.
     n_levels : int
         Number of dictionary levels to draw, 1 to 5, from the first; not more than there are.

@@ -29,7 +29,7 @@ def word_examples(
         Fitted.
     objects : sequence of SegmentedObject
         The objects that it was learned from, in the same order.
-    descriptor : {"surflet+fpfh", "surflet", "fpfh"} or Descriptor
+    descriptor : {"surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"} or Descriptor
         What the segments were described by.
     n_levels : int
         Levels from the first.

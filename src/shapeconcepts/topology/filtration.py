@@ -136,8 +136,7 @@ class Filtration(ClusterMixin, BaseEstimator):
         self.space_ = space
         self.n_features_in_ = space.n_features_in_
         if self.heat == "separation":
-            lengths = np.sqrt(space.divergences_)
-            order, edge_heat = separation_order(space.edges_, lengths, space.multiplicities_)
+            order, edge_heat = separation_order(space.edges_, space.divergences_, space.multiplicities_)
         else:
             order = np.argsort(space.edge_heat_, kind="stable")
             edge_heat = space.edge_heat_[order]

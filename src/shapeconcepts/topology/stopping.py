@@ -52,8 +52,8 @@ def longest_state(states: States) -> float | None:
 
     How long a grouping outlives the annexation that made it says how clearly its groups are apart. Coarse
     groupings outlive fine ones for no better reason than that fewer annexations are left, so only those with
-    sqrt(n) / 2 to sqrt(n) concepts of n objects compete; where there are none, those nearest to this range.
-    The number of concepts first rises, as objects find each other, then falls; only the fall counts.
+    sqrt(n) / 2 to sqrt(n) concepts of n objects compete, in small sets n / 24 to n / 8, which is fewer; where
+    there are none, those nearest to this range. The number of concepts first rises, as objects find each other, then falls; only the fall counts.
 
     Returns
     -------
@@ -69,8 +69,9 @@ def longest_state(states: States) -> float | None:
     # Before the concepts are most, objects still find each other, and most are in none.
     peak = np.flatnonzero(is_open & (states.n_concepts == states.n_concepts[is_open].max()))[-1]
     candidates = peak + np.flatnonzero(is_open[peak:])
-    most = max(np.sqrt(states.n_objects), 2.0)
-    fewest = max(most / 2, 2.0)
+    root = np.sqrt(states.n_objects)
+    most = max(min(root, states.n_objects / 8), 2.0)
+    fewest = max(min(root / 2, states.n_objects / 24), 2.0)
     counts = states.n_concepts[candidates]
     outside = np.maximum(fewest - counts, counts - most).clip(0)
     candidates = candidates[outside == outside.min()]
