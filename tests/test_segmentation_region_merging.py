@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from shapeconcepts.neighbours import radius_neighbours
 from shapeconcepts.segmentation.linkage_kernels import border_lengths
-from shapeconcepts.segmentation.region_merging import MIN_BORDER, absorb_small, segment_edges
+from shapeconcepts.segmentation.region_merging import MIN_BORDER, MIN_MEAN_SHARE, absorb_small, segment_edges
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -38,12 +38,17 @@ def border(pairs, labels, a: int, b: int) -> int:
 def slow_absorb(pairs, labels, weights, min_share, min_voxels, max_segments):
     """Sets of voxels, merged one at a time; every border counted anew."""
     labels = labels.tolist()
+
+    def is_small(mass: int, size: int) -> bool:
+        mean_share = (mass / sum(weights) * size / len(labels)) ** 0.5
+        return mass / sum(weights) < min_share and mean_share < MIN_MEAN_SHARE
+
     first_name = sorted(set(labels) - {-1})
     while len(set(labels) - {-1}) > 1:
         alive = sorted(set(labels) - {-1})
         size = {s: labels.count(s) for s in alive}
         mass = {s: sum(w for w, label in zip(weights, labels, strict=True) if label == s) for s in alive}
-        small = [s for s in alive if mass[s] < min_share * sum(weights) or size[s] < min_voxels]
+        small = [s for s in alive if size[s] < min_voxels or is_small(mass[s], size[s])]
         if not small and len(alive) <= max_segments:
             break
         smallest = min(small or alive, key=lambda s: (size[s], -s))
@@ -78,7 +83,7 @@ def strip(*lengths: int):
 def test_small_segment_goes_to_the_longer_border_not_the_larger_segment():
     x, y = (part.ravel().astype(float) for part in np.meshgrid(np.arange(20), np.arange(10)))
     labels = np.where(x < 10, 0, 1).astype(np.int32)
-    labels[(x >= 8) & (x < 10) & (y >= 4)] = 2  # touches 0 along two sides, 1 along one
+    labels[(x >= 9) & (x < 10) & (y >= 1)] = 2  # touches 0 along two sides, 1 along one
     adjacency = radius_neighbours(np.column_stack([x, y, 0 * x]), 1.1)
     absorbed = absorb_small(adjacency, labels, np.ones(200, int), 0.1, 1, 12)
     np.testing.assert_array_equal(absorbed == absorbed[0], x < 10)
@@ -86,10 +91,20 @@ def test_small_segment_goes_to_the_longer_border_not_the_larger_segment():
 
 def test_voxels_may_be_many_but_points_few():
     points, labels = strip(50, 50)
-    weights = np.where(labels == 0, 100, 1)
+    weights = np.where(labels == 0, 1000, 1)
     adjacency = radius_neighbours(points, 1.1)
     assert absorb_small(adjacency, labels, weights, 0.05, 1, 12).max() == 0
-    assert absorb_small(adjacency, labels, weights, 0.005, 1, 12).max() == 1
+    assert absorb_small(adjacency, labels, weights, 0.0005, 1, 12).max() == 1
+
+
+def test_few_points_on_much_surface_are_kept():
+    points, labels = strip(80, 20)
+    adjacency = radius_neighbours(points, 1.1)
+    # 20 % of the voxels, and 2 % or 1 % of the points.
+    for dense, kept in ((12, True), (25, False)):
+        weights = np.where(labels == 0, dense, 1)
+        assert weights[labels == 1].sum() < 0.04 * weights.sum()
+        assert (absorb_small(adjacency, labels, weights, 0.04, 1, 12).max() == 1) == kept
 
 
 def test_last_segment_stays_however_small():

@@ -184,7 +184,8 @@ def sharpen_borders(
                     if current[indices[other]] == region:
                         seen = seen or other < k
                         agreeing += 1
-                if seen:
+                # What smoothness alone makes too costly needs no fit.
+                if seen or smoothness * (1 - agreeing / degree) >= lowest:
                     continue
                 count, height, _, _, _ = fit_surface(
                     points,

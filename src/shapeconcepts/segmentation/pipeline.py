@@ -31,7 +31,8 @@ def segment(
 
     Supervoxels (atomic patches) are joined to segments (super patches) where the surface goes on smoothly: a
     box gives one segment for each visible face, a can its side and its cap, a ball one. Segments of less than
-    4 % of the scan's points or 25 voxels go to the neighbour with the longest border. The result does not
+    4 % of the scan's points or 25 voxels go to the neighbour with the longest border, except for surfaces at
+    a grazing angle, which are larger than their points are many (see `absorb_small`). The result does not
     depend on the object's pose.
 
     Parameters

@@ -9,6 +9,7 @@ from shapeconcepts.neighbours import Neighbours
 from shapeconcepts.segmentation.linkage_kernels import border_lengths
 
 MIN_BORDER = 4
+MIN_MEAN_SHARE = 0.05
 
 
 def absorb_small(
@@ -30,7 +31,9 @@ def absorb_small(
     weights : (m,) int64
         Number of scan points in each voxel.
     min_share : float
-        Share of the scan points below which a segment is merged.
+        Share of the scan points below which a segment is merged. A surface seen at a grazing angle holds few
+        points for its size, so it is kept nevertheless if the geometric mean of its shares of the points and
+        of the voxels is 5 % or more.
     min_voxels : int
         Number of voxels below which a segment is merged.
     max_segments : int
@@ -45,10 +48,15 @@ def absorb_small(
     size = np.bincount(labels[members], minlength=len(border))
     mass = np.bincount(labels[members], weights[members], minlength=len(border))
     min_mass = min_share * weights.sum()
+    min_product = MIN_MEAN_SHARE**2 * weights.sum() * len(labels)
     target = np.arange(len(border))
     alive = list(range(len(border)))
     while len(alive) > 1:
-        small = [s for s in alive if mass[s] < min_mass or size[s] < min_voxels]
+        small = [
+            s
+            for s in alive
+            if size[s] < min_voxels or (mass[s] < min_mass and mass[s] * size[s] < min_product)
+        ]
         if not small and len(alive) <= max_segments:
             break
         smallest = min(small or alive, key=lambda s: (size[s], -s))

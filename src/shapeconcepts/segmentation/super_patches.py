@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.neighbours import Neighbours
+from shapeconcepts.segmentation.border_settling_kernels import settle_borders
 from shapeconcepts.segmentation.crease_kernels import border_pairs, crease_angles, sharpen_borders
 from shapeconcepts.segmentation.linkage_kernels import average_linkage, patch_borders
 
@@ -30,8 +31,9 @@ def super_patches(
     border: this gives nearly flat regions, large enough to fit a surface to. Then the regions on both sides
     of each border are extended to it, each from its own points, and the pair that meets at the smallest angle
     is joined, again and again, until every remaining border is a crease of more than 35 degrees. Neither step
-    can leak through a weak spot, as both judge a border as a whole. Last, the voxels at the borders go to the
-    side whose surface they lie on, and the borders are judged again.
+    can leak through a weak spot, as both judge a border as a whole. Then the voxels at the borders go to the
+    side whose surface passes nearest, and the borders are judged again. Last, the borders that are left, all
+    of them creases, are laid along the lines where the surfaces meet.
 
     Parameters
     ----------
@@ -63,7 +65,13 @@ def super_patches(
         BORDER_SMOOTHNESS * voxel_size,
         SHARPENING_ROUNDS,
     )
-    return _consecutive(_join_smooth(points, normals, adjacency, regions, radius))
+    regions = _consecutive(_join_smooth(points, normals, adjacency, regions, radius))
+    if regions.max() <= 0:
+        return regions
+    regions = settle_borders(
+        points, normals, *adjacency, regions, radius, BORDER_SMOOTHNESS * voxel_size, voxel_size
+    )
+    return _consecutive(regions)
 
 
 def _join_flat(
