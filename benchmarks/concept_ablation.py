@@ -26,19 +26,19 @@ from shapeconcepts.evaluation import stratified_splits
 SEEDS = (200,)
 REPEATS = 5
 N_SUBSETS = 10
-DESCRIPTORS = ("surflet+fpfh", "surflet", "fpfh")
+DESCRIPTORS = ("surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature")
 
 Model = Callable[[], ShapeConceptModel]
 VARIANTS: dict[str, Model] = {
     "default": ShapeConceptModel,
-    "descriptor surflet": partial(ShapeConceptModel, descriptor="surflet"),
-    "descriptor fpfh": partial(ShapeConceptModel, descriptor="fpfh"),
+    **{f"descriptor {name}": partial(ShapeConceptModel, descriptor=name) for name in DESCRIPTORS[1:]},
     "motifs as columns": partial(
         ShapeConceptModel, descriptor="surflet", columns="motifs", n_levels=8, bandwidth=0.1
     ),
     **{f"{n} neighbours": partial(ShapeConceptModel, n_neighbours=n) for n in (10, 20, 40, 80)},
-    **{f"{n} level{'s' * (n > 1)}": partial(ShapeConceptModel, n_levels=n) for n in (1, 2, 6, 8)},
+    **{f"{n} level{'s' * (n > 1)}": partial(ShapeConceptModel, n_levels=n) for n in (1, 4, 8)},
     "own prototypes count": partial(ShapeConceptModel, leave_own_out=False),
+    "no diffusion": partial(ShapeConceptModel, diffusion=False),
     "heat geodesic": partial(ShapeConceptModel, heat="geodesic"),
     "stop annexations": partial(ShapeConceptModel, stop="annexations"),
     "heat geodesic, stop annexations": partial(ShapeConceptModel, heat="geodesic", stop="annexations"),

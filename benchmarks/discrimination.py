@@ -59,7 +59,7 @@ def main() -> None:
     options = parser.parse_args()
     candidates = (
         *((f"stimuli, {name}", one.descriptor, stimuli(one)) for name, one in ensembles().items()),
-        ("whole object, surflet+fpfh", "surflet+fpfh", whole_object),
+        ("whole object, surflet+fpfh+curvature", "surflet+fpfh+curvature", whole_object),
         ("whole object, surflet", "surflet", whole_object),
         ("whole object, mean FPFH", "fpfh", whole_object),
     )

@@ -20,7 +20,7 @@ from common import command, labelled_scans, print_table
 from discrimination import SETS, errors, stimuli
 from shapeconcepts import MotifHierarchyEnsemble, SegmentDictionary, describe, segment
 
-DESCRIPTORS = ("surflet+fpfh", "surflet", "fpfh")
+DESCRIPTORS = ("surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature")
 # What is changed in the dictionary, and in the ensemble.
 VARIANTS = (
     ("default", {}, {}),

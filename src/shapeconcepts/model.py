@@ -81,7 +81,7 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         self,
         *,
         descriptor: str | Descriptor = "surflet+fpfh+curvature",
-        n_levels: int = 4,
+        n_levels: int = 2,
         word_metric: str = "hellinger",
         columns: str = "prototypes",
         n_neighbours: int | None = None,
