@@ -21,7 +21,7 @@ from shapeconcepts import (
     Surflet,
     load_model,
 )
-from shapeconcepts.descriptors import Description
+from shapeconcepts.descriptors import Curvature, Description
 from shapeconcepts.model_file.container import read_container, write_container
 
 
@@ -108,7 +108,10 @@ def test_n_jobs_stays_behind(path):
     assert load_model(path).n_jobs is None
 
 
-@pytest.mark.parametrize("descriptor", ["fpfh", FPFH(), FPFH(radius=0.045), Surflet(scale="metric")])
+@pytest.mark.parametrize(
+    "descriptor",
+    ["fpfh", "surflet+fpfh", FPFH(), FPFH(radius=0.045), Surflet(scale="metric"), Curvature(radius=0.035)],
+)
 def test_built_in_descriptors_survive(descriptor, path):
     loaded = saved_and_loaded(fitted_model(descriptor=descriptor), path)
     assert loaded.descriptor == descriptor
@@ -193,7 +196,7 @@ def test_own_descriptors_cannot_be_saved(path):
 
     path.write_text("old")
     for descriptor in (Own(), Derived()):
-        with pytest.raises(ModelError, match="descriptor of one's own"):
+        with pytest.raises(ModelError, match=r"descriptor of one's own.*, FPFH, Surflet or Curvature, got"):
             fitted_model(descriptor=descriptor).save(path)
     assert path.read_text() == "old"
 

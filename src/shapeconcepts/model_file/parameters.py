@@ -10,7 +10,7 @@ import numpy as np
 from sklearn.base import BaseEstimator
 
 from shapeconcepts.concepts.response import DISTANCES
-from shapeconcepts.descriptors import FPFH, Descriptor, Surflet
+from shapeconcepts.descriptors import FPFH, Curvature, Descriptor, Surflet
 from shapeconcepts.descriptors.registry import DESCRIPTORS
 from shapeconcepts.descriptors.surflet import SCALES
 from shapeconcepts.model_file.error import ModelError, require
@@ -68,7 +68,11 @@ _CHECKS: dict[str, Check] = {
 }
 
 # Descriptors that a file can hold with parameters of their own.
-_WITH_PARAMETERS: dict[str, type[FPFH] | type[Surflet]] = {"fpfh": FPFH, "surflet": Surflet}
+_WITH_PARAMETERS: dict[str, type[FPFH] | type[Surflet] | type[Curvature]] = {
+    "fpfh": FPFH,
+    "surflet": Surflet,
+    "curvature": Curvature,
+}
 
 # How many jobs to run is a matter of the machine, not of the model; a dictionary has an entry of its own.
 _LEFT_OUT = ("n_jobs", "dictionary")
@@ -126,7 +130,7 @@ def _encode_descriptor(descriptor: str | Descriptor) -> object:
             return {"type": name, **{key: _plain(value) for key, value in values.items()}}
     raise ModelError(
         f"a model with a descriptor of one's own cannot be saved: descriptor must be one of "
-        f"{', '.join(DESCRIPTORS)}, FPFH or Surflet, got {descriptor!r:.80}"
+        f"{', '.join(DESCRIPTORS)}, FPFH, Surflet or Curvature, got {descriptor!r:.80}"
     )
 
 
