@@ -21,7 +21,7 @@ from shapeconcepts import (
     Surflet,
     load_model,
 )
-from shapeconcepts.descriptors import Description
+from shapeconcepts.descriptors import Curvature, Description
 from shapeconcepts.model_file.container import read_container, write_container
 
 
@@ -44,6 +44,10 @@ def test_the_example_is_worth_saving(model):
     assert len(model.concepts_) >= 2
     assert list(model.skipped_) == [2]
     assert model.filtration_.concept_time_ is not None and model.stimuli_.nnz > 100
+    if model.diffusion:
+        assert model.diffusion_.rows_.shape[0] > 20 and model.diffusion_.n_neighbours_ > 1
+    else:
+        assert model.diffusion_ is None
     assert (model.response_.whitening_.shape[1] >= 2) == (model.response_distance == "mahalanobis")
     assert (model.predict(described_objects(4, seed=1)) >= 0).any()
 
@@ -80,6 +84,27 @@ def test_what_belongs_together_is_one(model, path):
     assert loaded.labels_ is loaded.filtration_.labels_
 
 
+def test_repeated_scans_count_among_the_neighbours(path):
+    """The file holds their row once; how many neighbours there are follows from the number of scans."""
+    objects = [one for one in described_objects(10) for _ in range(4)]
+    model = ShapeConceptModel(n_levels=3, leave_own_out=False).fit(objects)
+    assert model.diffusion_.rows_.shape[0] <= 40
+    loaded = saved_and_loaded(model, path)
+    assert loaded.diffusion_.n_neighbours_ == model.diffusion_.n_neighbours_ == 6
+    assert differences(model, loaded) == []
+
+
+def test_a_model_without_stimuli_has_nothing_to_diffuse(path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        model = ShapeConceptModel(n_levels=1).fit(described_objects(1)[:1])
+    assert model.diffusion_.rows_.shape[0] == model.stimuli_.nnz == 0
+    loaded = saved_and_loaded(model, path)
+    assert differences(model, loaded) == []
+    objects = described_objects(2)
+    assert differences(model.stimuli(objects), loaded.stimuli(objects)) == []
+
+
 def test_names_survive(model, path):
     loaded = saved_and_loaded(model, path)
     assert loaded.get_feature_names_out().tolist() == model.get_feature_names_out().tolist()
@@ -108,7 +133,10 @@ def test_n_jobs_stays_behind(path):
     assert load_model(path).n_jobs is None
 
 
-@pytest.mark.parametrize("descriptor", ["fpfh", FPFH(), FPFH(radius=0.045), Surflet(scale="metric")])
+@pytest.mark.parametrize(
+    "descriptor",
+    ["fpfh", "surflet+fpfh", FPFH(), FPFH(radius=0.045), Surflet(scale="metric"), Curvature(radius=0.035)],
+)
 def test_built_in_descriptors_survive(descriptor, path):
     loaded = saved_and_loaded(fitted_model(descriptor=descriptor), path)
     assert loaded.descriptor == descriptor
@@ -121,6 +149,7 @@ def test_parameters_survive(path):
         "word_metric": "euclidean",
         "columns": "motifs",
         "n_neighbours": np.int32(7),
+        "diffusion": np.False_,
         "heat": "geodesic",
         "stop": "annexations",
         "response_distance": "mahalanobis",
@@ -193,7 +222,7 @@ def test_own_descriptors_cannot_be_saved(path):
 
     path.write_text("old")
     for descriptor in (Own(), Derived()):
-        with pytest.raises(ModelError, match="descriptor of one's own"):
+        with pytest.raises(ModelError, match=r"descriptor of one's own.*, FPFH, Surflet or Curvature, got"):
             fitted_model(descriptor=descriptor).save(path)
     assert path.read_text() == "old"
 
@@ -212,6 +241,8 @@ def test_an_unfitted_model_cannot_be_saved(path):
         (lambda model: model.scan_labels_.__setitem__(3, 7), r"scan_labels\[3\]"),
         (lambda model: model.scan_names_.pop(), "scan_names must be a list of 40"),
         (lambda model: model.ensemble_.partial_fit(described_objects(1)), "response.mean must have shape"),
+        (lambda model: model.diffusion_.set_params(n_neighbours=9), "n_neighbours_ 3, its parameter means 9"),
+        (lambda model: model.diffusion_.set_params(n_neighbours=0), "n_neighbours must be null or a whole"),
         (lambda model: model.set_params(bandwidth="wide"), "bandwidth must be a positive number"),
         (lambda model: model.set_params(voxel_size=np.nan), "cannot be saved"),
         (lambda model: setattr(model.concepts_[0], "name", object()), "cannot be saved"),
@@ -351,15 +382,21 @@ def test_loading_neither_writes_nor_runs_anything(model, path):
     assert differences(expected, loaded) == []
 
 
-def test_scans_of_the_simulated_sensor(path):
+@pytest.mark.parametrize(
+    ("preset", "parameters"),
+    [("default", {}), ("default", {"min_support": 1, "descriptor": Surflet("metric")}), ("paper", {})],
+)
+def test_scans_of_the_simulated_sensor(preset, parameters, path):
     from shapeconcepts import datasets, segment
 
     scans = datasets.simulate(n_per_category=3, random_state=0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        model = ShapeConceptModel(n_levels=4, min_support=1, descriptor=Surflet("metric")).fit(scans)
+        model = ShapeConceptModel.preset(preset, **parameters).fit(scans)
     loaded = saved_and_loaded(model, path)
     assert differences(model, loaded) == []
     new = segment(scans[4])
-    assert differences(model.transform([new, scans[0]]), loaded.transform([new, scans[0]])) == []
+    for answer in ("transform", "predict", "stimuli"):
+        answers = [getattr(one, answer)([new, scans[0]]) for one in (model, loaded)]
+        assert differences(*answers) == []
     assert differences(model.explain(scans[7]), loaded.explain(scans[7])) == []

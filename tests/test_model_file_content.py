@@ -41,7 +41,12 @@ def put(name, position, value):
 
 
 def longer(name):
-    return lambda tensors, _: tensors.update({name: np.concatenate([tensors[name], tensors[name][-1:]])})
+    def change(tensors, description):
+        values = tensors[name]
+        more = values[-1:] if len(values) else np.ones((1, *values.shape[1:]), values.dtype)
+        tensors[name] = np.concatenate([values, more])
+
+    return change
 
 
 @pytest.mark.parametrize("name", sorted(LAYOUT))
@@ -53,7 +58,8 @@ def test_shapes_and_types(sound, path, name):
     forge(sound, path, lambda tensors, _: tensors.update({name: tensors[name][None, None]}))
     assert "impossible shape" in refusal(path)
     refusal(forge(sound, path, longer(name)))
-    if name != "motifs.edges":
+    is_empty = name.startswith("diffusion.") and not load_description(sound)["parameters"]["diffusion"]
+    if name != "motifs.edges" and not is_empty:
         refusal(forge(sound, path, lambda tensors, _: tensors.update({name: tensors[name][:0]})))
 
 
@@ -64,6 +70,8 @@ def test_extreme_values(sound, path, name):
         and load_description(sound)["response_parameters"]["distance"] != "mahalanobis"
     ):
         pytest.skip("responses by divergence have no components")
+    if name.startswith("diffusion.") and not load_description(sound)["parameters"]["diffusion"]:
+        pytest.skip("without diffusion there are no rows")
     kind = LAYOUT[name][0]
     if kind.startswith("int"):
         values = [np.iinfo(kind).min, np.iinfo(kind).max, -2]
@@ -152,6 +160,112 @@ def test_content_that_does_not_fit(sound, path, change, message):
     assert message in refusal(forge(sound, path, change))
 
 
+def swap_first_columns_of_diffusion(tensors, description):
+    tensors["diffusion.columns"][[0, 1]] = tensors["diffusion.columns"][[1, 0]]
+
+
+def repeat_first_column_of_diffusion(tensors, description):
+    tensors["diffusion.columns"][1] = tensors["diffusion.columns"][0]
+
+
+def an_empty_row(tensors, description):
+    lengths = tensors["diffusion.row_lengths"]
+    lengths[:2] = 0, lengths[:2].sum()
+
+
+def lengths_that_overflow(tensors, description):
+    # In sum, modulo 2 ** 64, they are right.
+    tensors["diffusion.row_lengths"][:4] += 2**62
+
+
+def no_rows(tensors, description):
+    for name in ("row_lengths", "columns", "values"):
+        tensors[f"diffusion.{name}"] = tensors[f"diffusion.{name}"][:0]
+
+
+def one_row_for_each_scan(tensors, description):
+    n = len(tensors["stimuli.row_lengths"])
+    tensors["diffusion.row_lengths"] = np.ones(n, np.int64)
+    tensors["diffusion.columns"] = np.zeros(n, np.int32)
+    tensors["diffusion.values"] = np.ones(n)
+
+
+def scaled_first_row(factor):
+    def change(tensors, description):
+        tensors["diffusion.values"][: tensors["diffusion.row_lengths"][0]] *= factor
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (put("diffusion.row_lengths", 0, 0), "diffusion.row_lengths must hold numbers from 1 to"),
+        (put("diffusion.row_lengths", 0, -1), "diffusion.row_lengths must hold numbers from 1 to"),
+        (an_empty_row, "diffusion.row_lengths must hold numbers from 1 to"),
+        (lengths_that_overflow, "diffusion.row_lengths must hold numbers from 1 to"),
+        (
+            lambda t, d: t["diffusion.row_lengths"].__setitem__(0, t["diffusion.row_lengths"][0] + 1),
+            "diffusion.row_lengths must sum to the",
+        ),
+        (longer("diffusion.row_lengths"), "diffusion.row_lengths must"),
+        (no_rows, "diffusion.row_lengths must hold 1 to 39 rows"),
+        (one_row_for_each_scan, "diffusion.row_lengths must hold 1 to 39 rows"),
+        (lambda t, d: d.update(diffusion_parameters=None), "diffusion.row_lengths must hold 0 to 0 rows"),
+        (put("diffusion.columns", 0, -1), "diffusion.columns must hold numbers from 0 to"),
+        (
+            lambda t, d: t["diffusion.columns"].__setitem__(-1, len(t["stimuli.sources"])),
+            "diffusion.columns must hold numbers from 0 to",
+        ),
+        (swap_first_columns_of_diffusion, "diffusion.columns must hold rising columns in each row"),
+        (repeat_first_column_of_diffusion, "diffusion.columns must hold rising columns in each row"),
+        (put("diffusion.values", 0, 0.0), "diffusion.values must hold positive numbers"),
+        (put("diffusion.values", 0, 1.01), "diffusion.values must hold numbers from 0 to 1"),
+        (put("diffusion.values", 0, np.nan), "diffusion.values must hold numbers from 0 to 1"),
+        (put("diffusion.values", slice(None), 1e-320), "diffusion.values must hold rows of sum 1"),
+        (scaled_first_row(0.999), "diffusion.values must hold rows of sum 1, got 0.99"),
+    ],
+)
+def test_a_diffusion_that_does_not_fit(default, path, change, message):
+    assert message in refusal(forge(default, path, change))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (one_row_for_each_scan, "diffusion.row_lengths must hold 0 to 0 rows"),
+        (longer("diffusion.row_lengths"), "diffusion.row_lengths must hold 0 to 0 rows"),
+        (longer("diffusion.columns"), "diffusion.values must have shape (1)"),
+        (
+            lambda t, d: (longer("diffusion.columns")(t, d), longer("diffusion.values")(t, d)),
+            "diffusion.row_lengths must sum to the 1 entries, got 0",
+        ),
+        (
+            lambda t, d: d.update(diffusion_parameters={"n_neighbours": None}),
+            "diffusion.row_lengths must hold 1 to 39 rows",
+        ),
+    ],
+)
+def test_a_diffusion_where_there_is_none(like_the_paper, path, change, message):
+    assert message in refusal(forge(like_the_paper, path, change))
+
+
+@pytest.mark.parametrize("value", [5, "x", True, [], [None], {}, {"n_neighbours": None, "more": 1}])
+def test_wrong_parameters_of_the_diffusion(default, path, value):
+    message = refusal(forge(default, path, lambda _, d: d.update(diffusion_parameters=value)))
+    assert "the diffusion's parameters" in message
+
+
+@pytest.mark.parametrize("value", [None, 1, 7, 2**31 - 1])
+def test_any_number_of_neighbours_is_harmless(default, path, value):
+    forge(default, path, lambda _, d: d["diffusion_parameters"].update(n_neighbours=value))
+    loaded = load_model(path)
+    assert loaded.diffusion_.n_neighbours_ == (3 if value is None else value)
+    assert loaded.transform(described_objects(2, seed=3)).shape == (8, len(loaded.concepts_))
+    loaded.save(path)
+    assert differences(loaded, load_model(path)) == []
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -202,7 +316,8 @@ def answers(path: Path) -> list:
 @pytest.mark.parametrize(
     ("name", "value"),
     [("columns", "motifs"), ("columns", "prototypes"), ("response_distance", "mahalanobis"),
-     ("response_distance", "divergence"), ("heat", "geodesic"), ("heat", "separation"), ("stop", "lifetime")],
+     ("response_distance", "divergence"), ("heat", "geodesic"), ("heat", "separation"), ("stop", "lifetime"),
+     ("diffusion", True), ("diffusion", False)],
 )  # fmt: skip
 def test_parameters_of_the_model_are_for_its_next_fit(sound, path, name, value):
     """They may be set after learning, so that they need not be those of its parts, which give the answers."""
@@ -271,11 +386,12 @@ def test_a_missing_field(sound, path):
 @pytest.mark.parametrize("value", [None, "x", [], {}, -1, 0, 1e300, 2**31, 10**400, True, [1]])
 def test_wrong_parameters(sound, path, value):
     for group in [name for name in load_description(sound) if name.endswith("parameters")]:
-        for name in load_description(sound)[group]:
-            if (name == "leave_own_out" and value in (0, True)) or (name == "n_neighbours" and value is None):
+        for name in load_description(sound)[group] or {}:
+            is_switch = name in ("leave_own_out", "diffusion")
+            if (is_switch and value in (0, True)) or (name == "n_neighbours" and value is None):
                 continue
             forge(sound, path, lambda _, d, group=group, name=name: d[group].update({name: value}))
-            if value is True and name != "leave_own_out":
+            if value is True:
                 assert f"parameter {name} must be" in refusal(path)
             assert name in refusal(path)
 
@@ -290,6 +406,10 @@ def test_wrong_parameters(sound, path, value):
         {"type": "fpfh", "radius": "0.03"},
         {"type": "fpfh", "radius": -0.03},
         {"type": "fpfh", "radius": 0.03, "more": 1},
+        {"type": "curvature"},
+        {"type": "curvature", "radius": 0},
+        {"type": "curvature", "radius": True},
+        {"type": "curvature", "scale": "metric"},
         {"type": "surflet", "scale": "x"},
         {"type": "surflet", "scale": []},
         {"radius": 0.03},

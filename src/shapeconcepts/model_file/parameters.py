@@ -10,7 +10,7 @@ import numpy as np
 from sklearn.base import BaseEstimator
 
 from shapeconcepts.concepts.response import DISTANCES
-from shapeconcepts.descriptors import FPFH, Descriptor, Surflet
+from shapeconcepts.descriptors import FPFH, Curvature, Descriptor, Surflet
 from shapeconcepts.descriptors.registry import DESCRIPTORS
 from shapeconcepts.descriptors.surflet import SCALES
 from shapeconcepts.model_file.error import ModelError, require
@@ -36,6 +36,10 @@ def _is_positive(value: object) -> bool:
 
 
 _POSITIVE: Check = (_is_positive, "a positive number")
+_TRUE_OR_FALSE: Check = (
+    lambda value: type(value) in (bool, int) and value in (0, 1),
+    "true or false",
+)
 
 
 def _choice(names: Sequence[str]) -> Check:
@@ -47,7 +51,7 @@ _CHECKS: dict[str, Check] = {
     "word_metric": _choice(METRICS),
     "metric": _choice(METRICS),
     "bandwidth": _POSITIVE,
-    "leave_own_out": (lambda value: type(value) in (bool, int) and value in (0, 1), "true or false"),
+    "leave_own_out": _TRUE_OR_FALSE,
     "min_support": _whole(1),
     "min_concept_size": _whole(2),
     "max_steps": _whole(1),
@@ -61,6 +65,7 @@ _CHECKS: dict[str, Check] = {
         lambda value: value is None or _whole(1)[0](value),
         "null or a whole number of at least 1",
     ),
+    "diffusion": _TRUE_OR_FALSE,
     "heat": _choice(HEATS),
     "stop": _choice(STOPS),
     "distance": _choice(DISTANCES),
@@ -68,7 +73,11 @@ _CHECKS: dict[str, Check] = {
 }
 
 # Descriptors that a file can hold with parameters of their own.
-_WITH_PARAMETERS: dict[str, type[FPFH] | type[Surflet]] = {"fpfh": FPFH, "surflet": Surflet}
+_WITH_PARAMETERS: dict[str, type[FPFH] | type[Surflet] | type[Curvature]] = {
+    "fpfh": FPFH,
+    "surflet": Surflet,
+    "curvature": Curvature,
+}
 
 # How many jobs to run is a matter of the machine, not of the model; a dictionary has an entry of its own.
 _LEFT_OUT = ("n_jobs", "dictionary")
@@ -126,7 +135,7 @@ def _encode_descriptor(descriptor: str | Descriptor) -> object:
             return {"type": name, **{key: _plain(value) for key, value in values.items()}}
     raise ModelError(
         f"a model with a descriptor of one's own cannot be saved: descriptor must be one of "
-        f"{', '.join(DESCRIPTORS)}, FPFH or Surflet, got {descriptor!r:.80}"
+        f"{', '.join(DESCRIPTORS)}, FPFH, Surflet or Curvature, got {descriptor!r:.80}"
     )
 
 
