@@ -54,7 +54,7 @@ def example(seed: int, heat: str = "geodesic", stop: str = "annexations") -> tup
 def slowly(filtration: Filtration):
     edges = sorted(tuple(edge) for edge in filtration.edges_.tolist())
     counts = filtration.space_.multiplicities_.tolist()
-    lengths = np.sqrt(filtration.space_.divergences_).tolist() if filtration.heat == "separation" else None
+    lengths = filtration.space_.divergences_.tolist() if filtration.heat == "separation" else None
     return slow_filtration(edges, counts, filtration.min_concept_size, filtration.max_steps, lengths)
 
 

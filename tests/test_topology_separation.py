@@ -143,7 +143,7 @@ def test_times_are_separations_scaled():
     space = filtration.space_
     order, separations = slow_separations(
         [tuple(edge) for edge in space.edges_.tolist()],
-        np.sqrt(space.divergences_).tolist(),
+        space.divergences_.tolist(),
         space.multiplicities_.tolist(),
     )
     assert filtration.edges.tolist() == space.edges_[order].tolist()

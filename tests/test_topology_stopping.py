@@ -88,21 +88,25 @@ def states(times: list[float], n_concepts: list[int], n_objects: int) -> States:
 
 
 def test_rule():
-    # Of 2 to 4 concepts of 16 objects, the one that lasts longest for its time, not by the clock.
-    assert longest_state(states([0.1, 0.15, 0.5, 0.9, 1], [3, 3, 2, 2, 1], 16)) == 0.15
-    assert longest_state(states([0.1, 0.15, 0.25, 0.9, 1], [3, 3, 2, 2, 1], 16)) == 0.25
+    # Of 2 to 4 concepts of 32 objects, the one that lasts longest for its time, not by the clock.
+    assert longest_state(states([0.1, 0.15, 0.5, 0.9, 1], [3, 3, 2, 2, 1], 32)) == 0.15
+    assert longest_state(states([0.1, 0.15, 0.25, 0.9, 1], [3, 3, 2, 2, 1], 32)) == 0.25
     # As long as they become more, most objects are in none.
-    assert longest_state(states([0.1, 0.3, 0.5, 0.9, 1], [2, 3, 3, 2, 1], 16)) == 0.5
+    assert longest_state(states([0.1, 0.3, 0.5, 0.9, 1], [2, 3, 3, 2, 1], 32)) == 0.5
     # More concepts than 4 last longer, but do not compete.
-    assert longest_state(states([0.01, 0.5, 0.6, 0.9, 1], [5, 4, 3, 2, 1], 16)) == 0.6
-    # Of 5 to 10 concepts of 100 objects; without any, the nearest.
-    assert longest_state(states([0.1, 0.2, 0.3, 1], [2, 3, 2, 1], 100)) == 0.2
-    assert longest_state(states([0.1, 0.2, 0.3, 1], [30, 20, 12, 1], 100)) == 0.3
+    assert longest_state(states([0.01, 0.5, 0.6, 0.9, 1], [5, 4, 3, 2, 1], 32)) == 0.6
+    # Of 10 to 20 concepts of 400 objects; without any, the nearest.
+    assert longest_state(states([0.1, 0.2, 0.3, 1], [2, 3, 2, 1], 400)) == 0.2
+    assert longest_state(states([0.1, 0.2, 0.3, 1], [30, 25, 22, 1], 400)) == 0.3
+    # In small sets fewer: at most 5 of 40 objects, whose root is above 6; at least 3 of 60, half of whose
+    # root is above 3.
+    assert longest_state(states([0.1, 0.5, 0.6, 0.9, 1], [6, 5, 2, 2, 1], 40)) == 0.6
+    assert longest_state(states([0.1, 0.2, 0.3, 0.9, 1], [30, 5, 3, 2, 1], 60)) == 0.3
     # Of several annexations at one time, the state is that after the last.
-    assert longest_state(states([0.1, 0.1, 0.5, 1], [4, 3, 1, 1], 16)) == 0.1
-    assert longest_state(states([0.1, 0.1, 0.5, 1], [4, 1, 1, 1], 16)) is None
+    assert longest_state(states([0.1, 0.1, 0.5, 1], [4, 3, 1, 1], 32)) == 0.1
+    assert longest_state(states([0.1, 0.1, 0.5, 1], [4, 1, 1, 1], 32)) is None
     # The first of equally long ones.
-    assert longest_state(states([0.1, 0.125, 0.25, 0.5, 1], [3, 2, 2, 2, 1], 16)) == 0.125
+    assert longest_state(states([0.1, 0.125, 0.25, 0.5, 1], [3, 2, 2, 2, 1], 32)) == 0.125
 
 
 @pytest.mark.parametrize(

@@ -10,13 +10,21 @@ from shapeconcepts.scan import Scan, ScanError
 if TYPE_CHECKING:
     from shapeconcepts import datasets
     from shapeconcepts.concepts import ConceptResponse
-    from shapeconcepts.descriptors import FPFH, DescribedObject, Surflet, describe, get_descriptor
+    from shapeconcepts.descriptors import (
+        FPFH,
+        Curvature,
+        DescribedObject,
+        Surflet,
+        compute_principal_curvatures,
+        describe,
+        get_descriptor,
+    )
     from shapeconcepts.io import ScanWarning, read_scan, read_scans
     from shapeconcepts.model import ShapeConceptModel
     from shapeconcepts.model_file import ModelError, load_model
     from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary, decompose
     from shapeconcepts.segmentation import SegmentedObject, segment
-    from shapeconcepts.topology import Concept, Filtration, TopologicalSpace
+    from shapeconcepts.topology import Concept, Diffusion, Filtration, TopologicalSpace
 
 __version__ = "0.1.0"
 
@@ -24,7 +32,9 @@ __all__ = [
     "FPFH",
     "Concept",
     "ConceptResponse",
+    "Curvature",
     "DescribedObject",
+    "Diffusion",
     "Filtration",
     "ModelError",
     "MotifHierarchyEnsemble",
@@ -37,6 +47,7 @@ __all__ = [
     "Surflet",
     "TopologicalSpace",
     "__version__",
+    "compute_principal_curvatures",
     "datasets",
     "decompose",
     "describe",
@@ -53,7 +64,9 @@ _HOME_OF = {
     "FPFH": ".descriptors",
     "Concept": ".topology",
     "ConceptResponse": ".concepts",
+    "Curvature": ".descriptors",
     "DescribedObject": ".descriptors",
+    "Diffusion": ".topology",
     "Filtration": ".topology",
     "ModelError": ".model_file",
     "MotifHierarchyEnsemble": ".motifs",
@@ -63,6 +76,7 @@ _HOME_OF = {
     "ShapeConceptModel": ".model",
     "Surflet": ".descriptors",
     "TopologicalSpace": ".topology",
+    "compute_principal_curvatures": ".descriptors",
     "decompose": ".motifs",
     "describe": ".descriptors",
     "get_descriptor": ".descriptors",

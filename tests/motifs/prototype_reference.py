@@ -13,6 +13,7 @@ from motif_reference import SlowEnsemble, SlowObject, decompose
 
 DIVERGENCE_ERROR = 3 * 2**-24
 SMALLEST_SCALE = 1e-5
+WIDTH = 0.35
 SMALLEST_STIMULUS = 1e-3
 # Of the sums, which the kernel adds up in another order and from kernels rounded to 2^-40.
 SUM_ERROR = 1e-9
@@ -109,5 +110,5 @@ class SlowField:
 
 def kernel(divergence: float, scale: float, own_scale: float) -> float:
     divergence = min(max(divergence, 0.0), 1.0)
-    sigma, own_sigma = (max(each, SMALLEST_SCALE) / 2 for each in (scale, own_scale))
+    sigma, own_sigma = (WIDTH * max(each, SMALLEST_SCALE) for each in (scale, own_scale))
     return math.exp(-(divergence**2) / (2 * sigma * own_sigma))

@@ -79,7 +79,8 @@ def test_any_positive_bandwidth(dictionary, train, bandwidth):
         ({"n_neighbours": 0}, "n_neighbours must be an integer of at least 1, got 0"),
         (
             {"descriptor": "sift"},
-            r"one of 'fpfh', 'surflet', 'surflet\+fpfh' or .* got 'sift'",
+            r"one of 'fpfh', 'surflet', 'curvature', 'surflet\+fpfh', 'surflet\+fpfh\+curvature' or .* "
+            "got 'sift'",
         ),
         ({"descriptor": None}, "descriptor must be one of .* got None"),
         ({"dictionary": SegmentDictionary(0)}, "n_levels must be an integer of at least 1, got 0"),

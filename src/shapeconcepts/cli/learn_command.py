@@ -89,7 +89,7 @@ def learn(
         Literal["surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"] | None,
         typer.Option(
             show_default="surflet+fpfh+curvature, paper: fpfh",
-            help="What describes a segment: pairs of points, FPFH, or both.",
+            help="What describes a segment: pairs of points, FPFH, curvatures, or several of them.",
         ),
     ] = None,
     levels: Annotated[

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.descriptors.curvature_kernels import N_BINS, curvature_histograms, principal_curvatures
+from shapeconcepts.descriptors.curvature_kernels import curvature_histograms, principal_curvatures
 from shapeconcepts.descriptors.protocol import Description
 from shapeconcepts.descriptors.surface import checked_labels, checked_surface
 from shapeconcepts.neighbours import cell_grid
@@ -18,11 +18,11 @@ from shapeconcepts.segmentation.segmented_object import SegmentedObject
 class Curvature:
     """Descriptor of segments by the two principal curvatures at their points (Koenderink, van Doorn 1992).
 
-    A curvature counts in parts of the object's size, the root mean square distance of its points from their
-    centroid, so that a small and a large ball are alike. The histogram has 11 places for each of the two, from
-    -3 to 3 on the scale of asinh, finer around 0; beyond this it counts as the last. With the larger of both
-    first, that makes 66 bins. A point counts in the four bins around it, the more, the closer they are: noise
-    moves the histogram a little, never by a whole bin.
+    A curvature is multiplied by the object's size, the root mean square distance of the points in segments
+    from their centroid, so that a small and a large ball are alike. The histogram has 11 places for each of
+    the two, from -3 to 3 on the scale of asinh, finer around 0; beyond this it counts as the last. With the
+    larger of both first, that makes 66 bins. A point counts in the four bins around it, the more, the closer
+    they are: noise moves the histogram a little, never by a whole bin.
 
     Parameters
     ----------
@@ -49,11 +49,6 @@ class Curvature:
         size = np.sqrt(np.einsum("ij,ij->", offsets, offsets) / len(offsets))
         return Description(curvature_histograms(size * curvatures, labels, segmented.n_segments))
 
-    @property
-    def n_bins(self) -> int:
-        """Number of bins."""
-        return N_BINS
-
 
 def compute_principal_curvatures(
     points: NDArray[np.float64], normals: NDArray[np.float64], radius: float
@@ -69,7 +64,7 @@ def compute_principal_curvatures(
     points : (m, 3) float64
         Finite coordinates.
     normals : (m, 3) float64
-        Unit normals, consistently oriented.
+        Unit normals, consistently oriented. A point with a zero normal is nobody's neighbour.
     radius : float
         Radius of the neighbourhood, inclusive, in the unit of the points.
 
@@ -77,8 +72,8 @@ def compute_principal_curvatures(
     -------
     (m, 2) float64
         The larger first, in 1 / unit of the points; positive where the surface bends away from its normal, as
-        a ball does. 0 where there is no normal, or where the neighbours lie along a line, which says nothing
-        about the direction across it.
+        a ball does. 0 where there is no normal, and where the neighbours lie along a line in the tangent
+        plane, or at one place in it: that says nothing about the directions across.
 
     Raises
     ------
@@ -87,8 +82,10 @@ def compute_principal_curvatures(
         a positive number.
     """
     points, normals = checked_surface(points, normals)
-    grid = cell_grid(points, radius, reach=2)
-    surface = np.concatenate([grid.coordinates, normals[grid.order].T])
-    curvatures = np.empty((len(points), 2))
-    curvatures[grid.order] = principal_curvatures(surface, *grid[2:], radius) / radius
+    oriented = np.flatnonzero(normals.any(axis=1))
+    grid = cell_grid(points[oriented], radius, reach=2)
+    order = oriented[grid.order]
+    surface = np.concatenate([grid.coordinates, normals[order].T])
+    curvatures = np.zeros((len(points), 2))
+    curvatures[order] = principal_curvatures(surface, *grid[2:], float(radius)) / radius
     return curvatures

@@ -17,6 +17,8 @@ _STEPS_PER_UNIT = 2.0
 _FINENESS = 2.0
 # Sums of squares along and across a line: below this ratio the spread across says nothing.
 _LINE = np.float32(1e-3)
+# Mean square of the distances in the tangent plane, in squared radii: below it they are rounding.
+_SPOT = np.float32(1e-10)
 
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 
@@ -35,7 +37,7 @@ def principal_curvatures(
     Parameters
     ----------
     surface : (6, m) float64
-        Points and normals in the order of a `shapeconcepts.neighbours.CellGrid`.
+        Points and unit normals in the order of a `shapeconcepts.neighbours.CellGrid`.
     cells, indptr, candidates
         Of the grid.
     radius : float
@@ -61,8 +63,6 @@ def principal_curvatures(
             else:
                 ax, ay, az = ny, -nx, _ZERO
             length = np.float32(math.sqrt(ax * ax + ay * ay + az * az))
-            if length <= _ZERO:
-                continue
             ax, ay, az = ax / length, ay / length, az / length
             bx, by, bz = ny * az - nz * ay, nz * ax - nx * az, nx * ay - ny * ax
             count = su = sv = sp = sq = suu = suv = svv = sup = suq = svp = svq = _ZERO
@@ -92,7 +92,8 @@ def principal_curvatures(
             svp -= sv * sp / count
             svq -= sv * sq / count
             determinant = suu * svv - suv * suv
-            if determinant > _LINE * (suu + svv) * (suu + svv):
+            spans_plane = determinant > _LINE * (suu + svv) * (suu + svv)
+            if spans_plane and suu + svv > _SPOT * count:
                 first = (svv * sup - suv * svp) / determinant
                 last = (suu * svq - suv * suq) / determinant
                 across = (svv * suq - suv * svq + suu * svp - suv * sup) / (determinant + determinant)

@@ -37,7 +37,9 @@ class DescribedObject:
         return self.description.n_segments
 
 
-def describe(segmented: SegmentedObject, descriptor: str | Descriptor = "surflet+fpfh+curvature") -> DescribedObject:
+def describe(
+    segmented: SegmentedObject, descriptor: str | Descriptor = "surflet+fpfh+curvature"
+) -> DescribedObject:
     """Describe the segments of an object.
 
     Parameters

@@ -25,10 +25,10 @@ class PrototypeField:
 
         (1 + m) / (1 + n) * exp(-d(t, q)^2 / (2 * sigma_t * sigma_q)),
 
-    where d is the squared Hellinger distance of their descriptions, sigma is half of the divergence d to the
-    N-th nearest prototype of other objects (the last where there are fewer; half of 1e-5 at least), and m of
-    the n hierarchies give both the same motif. Where they have nothing in common (d = 1, also without mass)
-    there is no stimulus.
+    where d is the squared Hellinger distance of their descriptions, sigma is 0.35 times the divergence d to
+    the N-th nearest prototype of other objects (the last where there are fewer; 1e-5 at least), and m of the
+    n hierarchies give both the same motif. Where they have nothing in common (d = 1, also without mass) there
+    is no stimulus.
 
     Attributes
     ----------

@@ -24,8 +24,8 @@ class Diffusion(TransformerMixin, BaseEstimator):
     """Replaces a row by a mean of itself and its nearest neighbours among the training rows.
 
     What a single view shows or hides by chance is averaged out, what it has in common with its like remains:
-    one step of the diffusion processes by which retrieval follows the manifold of shapes (Donoser and Bischof,
-    CVPR 2013).
+    one step of the diffusion processes by which retrieval follows the manifold of shapes (Donoser and
+    Bischof, CVPR 2013).
 
     Rows are compared as shares, by what they sum to 1. A neighbour at divergence d counts ``exp(-2 d / r)``,
     where r is the divergence of the farthest one; the row itself counts 1. Rows of the same content are one
@@ -34,7 +34,8 @@ class Diffusion(TransformerMixin, BaseEstimator):
     Parameters
     ----------
     n_neighbours : int or None
-        Number of neighbours, at least 1. None: half the root of the number of training rows.
+        Number of neighbours, at least 1. None: half the root of the number of training rows that are not
+        empty.
 
     Attributes
     ----------

@@ -43,8 +43,8 @@ class Filtration(ClusterMixin, BaseEstimator):
         Largest number of equal steps of time in which annexations are counted, from 1.
     heat : {"separation", "geodesic"}
         "separation": an edge is the hotter, the longer it is and the larger the classes are that it holds
-        apart, length times sqrt(a b / (a + b)) for a and b objects, the length being the root of the
-        divergence. "geodesic": the more central it is in the tree (paper: equation 2).
+        apart, divergence times sqrt(a b / (a + b)) for a and b objects. "geodesic": the more central it is in
+        the tree (paper: equation 2).
     stop : {"lifetime", "annexations"}
         The time at which concepts are taken: see `longest_state`, and `most_annexations` (paper).
 
