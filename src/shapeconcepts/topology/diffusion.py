@@ -16,6 +16,7 @@ from shapeconcepts.topology.space import distinct_rows
 
 # Rows closer than this are the same but for rounding.
 _SAME = 1e-9
+_MOST_NEIGHBOURS = 10
 # Rows compared with all others in one go.
 _BLOCK = 256
 
@@ -35,7 +36,7 @@ class Diffusion(TransformerMixin, BaseEstimator):
     ----------
     n_neighbours : int or None
         Number of neighbours, at least 1. None: half the root of the number of training rows that are not
-        empty.
+        empty, at most 10: more would fill the rows up.
 
     Attributes
     ----------
@@ -98,7 +99,7 @@ class Diffusion(TransformerMixin, BaseEstimator):
         return csr_matrix(vstack([rows[:0], *(self._means(rows[i : i + _BLOCK]) for i in starts)]))
 
     def _set_number(self, n_rows: int) -> None:
-        half_root = max(1, round(np.sqrt(n_rows) / 2))
+        half_root = min(max(1, round(np.sqrt(n_rows) / 2)), _MOST_NEIGHBOURS)
         self.n_neighbours_ = half_root if self.n_neighbours is None else self.n_neighbours
 
     def _means(self, rows: csr_matrix) -> csr_matrix:
