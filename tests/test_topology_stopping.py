@@ -88,25 +88,28 @@ def states(times: list[float], n_concepts: list[int], n_objects: int) -> States:
 
 
 def test_rule():
-    # Of 2 to 4 concepts of 32 objects, the one that lasts longest for its time, not by the clock.
-    assert longest_state(states([0.1, 0.15, 0.5, 0.9, 1], [3, 3, 2, 2, 1], 32)) == 0.15
-    assert longest_state(states([0.1, 0.15, 0.25, 0.9, 1], [3, 3, 2, 2, 1], 32)) == 0.25
+    # Of 3 or 4 concepts of 32 objects, the one that lasts longest for its time, not by the clock.
+    assert longest_state(states([0.1, 0.15, 0.5, 0.9, 1], [4, 4, 3, 3, 1], 32)) == 0.15
+    assert longest_state(states([0.1, 0.15, 0.25, 0.9, 1], [4, 4, 3, 3, 1], 32)) == 0.25
     # As long as they become more, most objects are in none.
-    assert longest_state(states([0.1, 0.3, 0.5, 0.9, 1], [2, 3, 3, 2, 1], 32)) == 0.5
-    # More concepts than 4 last longer, but do not compete.
-    assert longest_state(states([0.01, 0.5, 0.6, 0.9, 1], [5, 4, 3, 2, 1], 32)) == 0.6
+    assert longest_state(states([0.1, 0.3, 0.5, 0.9, 1], [3, 4, 4, 3, 1], 32)) == 0.5
+    # More concepts than 4, or fewer than 3, last longer, but do not compete.
+    assert longest_state(states([0.01, 0.5, 0.6, 0.7, 1], [5, 4, 3, 2, 1], 32)) == 0.5
     # Of 10 to 20 concepts of 400 objects; without any, the nearest.
     assert longest_state(states([0.1, 0.2, 0.3, 1], [2, 3, 2, 1], 400)) == 0.2
     assert longest_state(states([0.1, 0.2, 0.3, 1], [30, 25, 22, 1], 400)) == 0.3
-    # In small sets fewer: at most 5 of 40 objects, whose root is above 6; at least 3 of 60, half of whose
-    # root is above 3.
-    assert longest_state(states([0.1, 0.5, 0.6, 0.9, 1], [6, 5, 2, 2, 1], 40)) == 0.6
+    # In small sets fewer: at most 5 of 40 objects, whose root is above 6; 3 of 60 will do, half of whose root
+    # is above 3, and 4 of 90, half of whose root is above 4.
+    assert longest_state(states([0.1, 0.5, 0.6, 0.9, 1], [6, 5, 5, 2, 1], 40)) == 0.6
     assert longest_state(states([0.1, 0.2, 0.3, 0.9, 1], [30, 5, 3, 2, 1], 60)) == 0.3
+    assert longest_state(states([0.1, 0.2, 0.3, 0.9, 1], [30, 5, 4, 3, 1], 90)) == 0.3
+    # No more than 2 of 23.
+    assert longest_state(states([0.1, 0.2, 0.3, 1], [4, 3, 2, 1], 23)) == 0.3
     # Of several annexations at one time, the state is that after the last.
     assert longest_state(states([0.1, 0.1, 0.5, 1], [4, 3, 1, 1], 32)) == 0.1
     assert longest_state(states([0.1, 0.1, 0.5, 1], [4, 1, 1, 1], 32)) is None
     # The first of equally long ones.
-    assert longest_state(states([0.1, 0.125, 0.25, 0.5, 1], [3, 2, 2, 2, 1], 32)) == 0.125
+    assert longest_state(states([0.1, 0.125, 0.25, 0.5, 1], [4, 3, 3, 3, 1], 32)) == 0.125
 
 
 @pytest.mark.parametrize(

@@ -53,8 +53,8 @@ def longest_state(states: States) -> float | None:
     How long a grouping outlives the annexation that made it says how clearly its groups are apart. Coarse
     groupings outlive fine ones for no better reason than that fewer annexations are left, so only those with
     sqrt(n) / 2 to sqrt(n) concepts of n objects compete, in small sets n / 24 (but 3) to n / 8, where that is
-    fewer; if there are none, those nearest to this range. The number of concepts first rises, as objects find each
-    other, then falls; only the fall counts.
+    fewer; if there are none, those nearest to this range. The number of concepts first rises, as objects find
+    each other, then falls; only the fall counts.
 
     Returns
     -------
