@@ -104,12 +104,12 @@ def test_no_concept_is_a_result_too() -> None:
 
 
 def test_levels_are_the_preset_with_other_levels() -> None:
-    result = number_of_levels(OBJECTS, "default", SPLITS, levels=(1, 3))
+    result = number_of_levels(OBJECTS, "paper", SPLITS, levels=(1, 3))
     assert result.levels == [1, 3]
     for level, scores, errors in zip((1, 3), result.scores, result.errors, strict=True):
         for repetition, split in enumerate(SPLITS):
             expected = select(
-                OBJECTS.described["default"], OBJECTS.labels, split, "default", False, n_levels=level
+                OBJECTS.described["paper"], OBJECTS.labels, split, "paper", False, n_levels=level
             )
             assert scores[repetition] == expected.scores
             assert errors[repetition] == pytest.approx(np.mean(list(expected.errors.values())))
