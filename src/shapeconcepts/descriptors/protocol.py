@@ -105,8 +105,11 @@ class Description:
         # A matrix product would be shorter, but its rounding depends on how many rows there are.
         for segment, histogram in enumerate(self.segment_histograms):
             total += weights[:, segment, None] * histogram
-        for (a, b), histogram in zip(self.pairs, self._pair_histograms, strict=True):
-            total += (weights[:, a] * weights[:, b])[:, None] * histogram
+        # Side by side with others, a descriptor of pairs fills some columns only.
+        filled = np.flatnonzero(self._pair_histograms.any(axis=0))
+        columns = slice(filled[0], filled[-1] + 1) if len(filled) else slice(0)
+        for (a, b), histogram in zip(self.pairs, self._pair_histograms[:, columns], strict=True):
+            total[:, columns] += (weights[:, a] * weights[:, b])[:, None] * histogram
         for block in np.split(total, np.cumsum(self.blocks)[:-1], axis=1) if self.blocks else ():
             _scale_to_one(block)
         _scale_to_one(total)
