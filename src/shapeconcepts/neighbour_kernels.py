@@ -45,13 +45,15 @@ def cell_candidates(
         Candidates for neighbours of a cell's points, rising: ``candidates[indptr[i] : indptr[i + 1]]``.
     """
     m = len(keys)
-    lines = np.zeros((2, 2 * reach + 1, 2 * reach + 1), np.int64)
+    n_cells = len(cells) - 1
+    cell_keys = keys[cells[:-1]]
+    lines = np.zeros((2 * reach + 1, 2 * reach + 1), np.int64)
     indptr = np.zeros(len(cells), np.int64)
     candidates = np.empty(64 * m, np.uint32)
     is_near = np.empty(m, np.uint8)
     squared_radius = radius * radius * (1.0 + 1e-9)  # a hair more, against rounding
     count = np.uint64(0)
-    for cell in range(len(cells) - 1):
+    for cell in range(n_cells):
         start = cells[cell]
         x, y, z = coordinates[0, start], coordinates[1, start], coordinates[2, start]
         low_x = high_x = low_y = high_y = low_z = high_z = 0.0
@@ -63,15 +65,17 @@ def cell_candidates(
         half_x, half_y, half_z = (high_x - low_x) / 2, (high_y - low_y) / 2, (high_z - low_z) / 2
         for across_x in range(2 * reach + 1):
             for across_y in range(2 * reach + 1):
-                # Keys rise from cell to cell, so both ends of the range only ever move forward.
-                first_key = keys[start] - reach
+                # Keys rise from cell to cell, so the start of the range only ever moves forward.
+                first_key = cell_keys[cell] - reach
                 first_key += (across_x - reach) * strides[0] + (across_y - reach) * strides[1]
-                low, high = lines[0, across_x, across_y], lines[1, across_x, across_y]
-                while low < m and keys[low] < first_key:
-                    low += 1
-                while high < m and keys[high] <= first_key + 2 * reach:
-                    high += 1
-                lines[0, across_x, across_y], lines[1, across_x, across_y] = low, high
+                low_cell = lines[across_x, across_y]
+                while low_cell < n_cells and cell_keys[low_cell] < first_key:
+                    low_cell += 1
+                lines[across_x, across_y] = low_cell
+                high_cell = low_cell
+                while high_cell < n_cells and cell_keys[high_cell] <= first_key + 2 * reach:
+                    high_cell += 1
+                low, high = cells[low_cell], cells[high_cell]
                 if count + high - low > len(candidates):
                     grown = np.empty(2 * len(candidates) + high - low, np.uint32)
                     for k in range(count):
@@ -79,7 +83,7 @@ def cell_candidates(
                     candidates = grown
                 # Unsigned numbers need no test for counting from the end. Written always and kept by the
                 # count: no branch to mispredict.
-                first, n = np.uint64(low), max(high - low, 0)
+                first, n = np.uint64(low), high - low
                 for k in range(n):
                     dx = abs(coordinates[0, first + np.uint64(k)] - x) - half_x
                     dy = abs(coordinates[1, first + np.uint64(k)] - y) - half_y
