@@ -13,12 +13,12 @@ from numba import njit
 from numpy.typing import NDArray
 
 from shapeconcepts.descriptors.pair_feature_kernels import (
-    BORDERS,
     N_BINS,
     copy_nearby,
-    pair_features,
+    pair_bins,
     pair_weights,
     point_histogram,
+    share_of,
     sum_of,
 )
 
@@ -54,9 +54,8 @@ def simplified_histograms(
     histograms = np.empty((m, 3 * N_BINS))
     weight_sums = np.empty(m)
     nearby = np.empty((6, m + 8), np.float32)
-    features = np.empty((3, m + 8), np.float32)
+    bins = np.empty((3, m + 8), np.uint8)
     weights = np.empty(m + 8, np.float32)
-    borders = BORDERS.copy()
     for cell in range(len(cells) - 1):
         near_cell = candidates[indptr[cell] : indptr[cell + 1]]
         start = cells[cell]
@@ -66,10 +65,9 @@ def simplified_histograms(
             y = np.float32((surface[1, i] - surface[1, start]) * (1.0 / radius))
             z = np.float32((surface[2, i] - surface[2, start]) * (1.0 / radius))
             nx, ny, nz = np.float32(surface[3, i]), np.float32(surface[4, i]), np.float32(surface[5, i])
-            pair_features(n, x, y, z, nx, ny, nz, nearby, features)
+            pair_bins(n, x, y, z, nx, ny, nz, nearby, bins, weights)
             for angle in range(3):
-                point_histogram(n, features, angle, borders, histograms, i)
-            pair_weights(n, x, y, z, nearby, weights)
+                point_histogram(n, bins, angle, histograms, i)
             weight_sums[i] = sum_of(n, weights)
     return histograms, weight_sums
 
@@ -141,7 +139,6 @@ def segment_sums(
     sums = np.zeros((n_segments, n_bins))
     nearby = np.empty((5, m + 8), np.float32)
     weights = np.empty(m + 8, np.float32)
-    members = np.empty(m + 8, np.float32)
     is_near = np.empty(n_segments, np.bool_)
     for cell in range(len(cells) - 1):
         near_cell = candidates[indptr[cell] : indptr[cell + 1]]
@@ -158,10 +155,8 @@ def segment_sums(
             pair_weights(n, x, y, z, nearby, weights)
             for segment in range(n_segments):
                 if is_near[segment]:
-                    label = np.float32(segment)
-                    for k in range(n):
-                        members[k] = weights[k] * nearby[4, k] if nearby[3, k] == label else _ZERO
-                    share = sum_of(n, members) + (surface[3, i] == segment)
+                    share = share_of(n, weights, nearby[4], nearby[3], np.float32(segment))
+                    share += np.float32(surface[3, i] == segment)
                     for b in range(n_bins):
                         sums[segment, b] += share * histograms[i, b]
     return sums

@@ -11,23 +11,16 @@ from numpy.typing import NDArray
 N_BINS = 11
 CENTRE = N_BINS // 2
 
-_ZERO, _ONE, _TWO = np.float32(0.0), np.float32(1.0), np.float32(2.0)
-# A connection this close to the normal (sine below 1e-6) spans no plane with it.
-_PARALLEL = np.float32(1e-12)
-_NOT_COUNTED = np.float32(-9.0)
-
-
-def _inner_borders() -> NDArray[np.float32]:
-    """Borders between the bins of `pair_features`, (3, 10)."""
-    borders = np.arange(2 - N_BINS, N_BINS, 2) / N_BINS
-    sines, cosines = np.sin(np.pi * borders), np.cos(np.pi * borders)
-    turns = sines / (np.abs(sines) + np.abs(cosines))
-    turns = np.where(cosines < 0.0, 2.0 * np.sign(sines) - turns, turns)
-    squares = borders * np.abs(borders)
-    return np.stack([turns, squares, squares]).astype(np.float32)
-
-
-BORDERS = _inner_borders()
+_ZERO, _ONE = np.float32(0.0), np.float32(1.0)
+# A connection this close to the normal (sine below 1e-3) spans no plane with it in single precision.
+_PARALLEL = np.float32(1e-6)
+_HALF_BINS, _LAST_BIN = np.float32(N_BINS / 2), np.float32(N_BINS - 1)
+_NOT_COUNTED = np.int32(N_BINS)
+# Cotangents of the borders of theta's bins on the side of positive angles.
+_COT_1, _COT_3, _COT_5, _COT_7, _COT_9 = (
+    np.float32(1 / math.tan(odd * math.pi / N_BINS)) for odd in range(1, N_BINS, 2)
+)
+_MOST_AT_ONCE = 224  # fewer than 8 bits can count, and whole vectors
 
 
 @njit(cache=True, error_model="numpy")
@@ -67,8 +60,8 @@ def copy_nearby(
     return full
 
 
-@njit(cache=True, error_model="numpy")
-def pair_features(
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def pair_bins(
     n: int,
     x: np.float32,
     y: np.float32,
@@ -77,9 +70,10 @@ def pair_features(
     ny: np.float32,
     nz: np.float32,
     nearby: NDArray[np.float32],
-    features: NDArray[np.float32],
+    bins: NDArray[np.uint8],
+    weights: NDArray[np.float32],
 ) -> None:
-    """Features of the pairs of one point and the points around it.
+    """Bins of the features of the pairs of one point and the points around it, and the weights of the pairs.
 
     Parameters
     ----------
@@ -90,9 +84,10 @@ def pair_features(
         The point and its normal.
     nearby : (6, >= n) float32
         The points around and their normals.
-    features : (3, >= n) float32, output
-        In place of theta, alpha and phi, numbers that rise with them and are quicker to compute: no angle is
-        needed to sort one into a bin. -9 for points beyond distance 1.
+    bins : (3, >= n) uint8, output
+        Bins of theta, alpha and phi; 11 for points beyond distance 1.
+    weights : (>= n,) float32, output
+        As of `pair_weights`.
     """
     for k in range(n):
         dx, dy, dz = nearby[0, k] - x, nearby[1, k] - y, nearby[2, k] - z
@@ -106,82 +101,69 @@ def pair_features(
         swapped = abs(near) < abs(far)
         along = -far if swapped else near
         other = -near if swapped else far
-        sx, sy, sz = mx if swapped else nx, my if swapped else ny, mz if swapped else nz
-        ax, ay, az = dy * sz - dz * sy, dz * sx - dx * sz, dx * sy - dy * sx
-        squared_across = ax * ax + ay * ay + az * az
         triple = (dy * nz - dz * ny) * mx + (dz * nx - dx * nz) * my + (dx * ny - dy * nx) * mz
+        squared_across = squared_distance - along * along
         flat = squared_across <= _PARALLEL * squared_distance
+        across = math.sqrt(squared_across)
+        inverse = _ONE / squared_distance
+        alpha = _ZERO if flat else triple / across
+        phi = _ZERO if flat else along * math.sqrt(inverse)
         turn = _ZERO if flat else other - cosine * along
-        level = _ONE if flat else cosine * math.sqrt(squared_across)
-        along = _ZERO if flat else along
-        triple = _ZERO if flat else triple
-        squared_across = _ONE if flat else squared_across
-        bounded = _ONE if flat else squared_distance
-        # Goes around from -2 to 2 like the angle from -pi to pi.
-        size = abs(turn) + abs(level)
-        theta = turn / (_ONE if size <= _ZERO else size)
-        theta = theta if level >= _ZERO else (_TWO - theta if turn > _ZERO else -_TWO - theta)
+        level = _ZERO if flat else cosine * across
+        # Theta is the angle whose cotangent is level / turn; borders passed on the way from 0 to it are
+        # quicker to count than the angle is to compute.
+        turned = abs(turn)
+        passed = np.int32(turned * _COT_1 > level) + np.int32(turned * _COT_3 > level)
+        passed += np.int32(turned * _COT_5 > level) + np.int32(turned * _COT_7 > level)
+        passed += np.int32(turned * _COT_9 > level)
         beyond = squared_distance > _ONE
-        features[0, k] = _NOT_COUNTED if beyond else theta
-        features[1, k] = _NOT_COUNTED if beyond else triple * abs(triple) / squared_across
-        features[2, k] = _NOT_COUNTED if beyond else along * abs(along) / bounded
+        theta_bin = CENTRE + passed if turn > _ZERO else CENTRE - passed
+        alpha_bin = np.int32(min(_LAST_BIN, max(_ZERO, _HALF_BINS + _HALF_BINS * alpha)))
+        phi_bin = np.int32(min(_LAST_BIN, _HALF_BINS + _HALF_BINS * phi))
+        bins[0, k] = np.uint8(_NOT_COUNTED if beyond else np.int32(theta_bin))
+        bins[1, k] = np.uint8(_NOT_COUNTED if beyond else alpha_bin)
+        bins[2, k] = np.uint8(_NOT_COUNTED if beyond else phi_bin)
+        weights[k] = _ZERO if beyond | (squared_distance <= _ZERO) else inverse
 
 
 @njit(cache=True, error_model="numpy")
 def point_histogram(
     n: int,
-    features: NDArray[np.float32],
+    bins: NDArray[np.uint8],
     angle: int,
-    borders: NDArray[np.float32],
     histograms: NDArray[np.float64],
     row: int,
 ) -> None:
-    """Write the histogram of one of the features into a row, at its columns; it sums to 100.
+    """Write the histogram of one of the angles into a row, at its columns; it sums to 100.
 
     The point itself, which counts as flat, is left out.
     """
-    beyond = _NOT_COUNTED
-    b0, b1, b2, b3, b4 = (
-        borders[angle, 0],
-        borders[angle, 1],
-        borders[angle, 2],
-        borders[angle, 3],
-        borders[angle, 4],
-    )
-    b5, b6, b7, b8, b9 = (
-        borders[angle, 5],
-        borders[angle, 6],
-        borders[angle, 7],
-        borders[angle, 8],
-        borders[angle, 9],
-    )
-    total = n0 = n1 = n2 = n3 = n4 = n5 = n6 = n7 = n8 = n9 = np.int32(0)
-    # Counts of what lies above each border need no jumps in memory, unlike one count for each bin. Sums that
-    # stay 32 bits wide, like the features, compile to vector instructions.
-    for k in range(n):
-        value = features[angle, k]
-        total = np.int32(total + (value > beyond))
-        n0, n1 = np.int32(n0 + (value > b0)), np.int32(n1 + (value > b1))
-        n2, n3 = np.int32(n2 + (value > b2)), np.int32(n3 + (value > b3))
-        n4, n5 = np.int32(n4 + (value > b4)), np.int32(n5 + (value > b5))
-        n6, n7 = np.int32(n6 + (value > b6)), np.int32(n7 + (value > b7))
-        n8, n9 = np.int32(n8 + (value > b8)), np.int32(n9 + (value > b9))
-    scale = 100.0 / (total - 1) if total > 1 else 0.0
     column = N_BINS * angle
-    histograms[row, column] = scale * (total - n0)
-    histograms[row, column + 1] = scale * (n0 - n1)
-    histograms[row, column + 2] = scale * (n1 - n2)
-    histograms[row, column + 3] = scale * (n2 - n3)
-    histograms[row, column + 4] = scale * (n3 - n4)
-    histograms[row, column + 5] = scale * (n4 - n5 - 1)
-    histograms[row, column + 6] = scale * (n5 - n6)
-    histograms[row, column + 7] = scale * (n6 - n7)
-    histograms[row, column + 8] = scale * (n7 - n8)
-    histograms[row, column + 9] = scale * (n8 - n9)
-    histograms[row, column + 10] = scale * n9
+    for b in range(N_BINS):
+        histograms[row, column + b] = 0.0
+    for start in range(0, n, _MOST_AT_ONCE):
+        # A count for each bin needs no jumps in memory, unlike one increment for each point. Sums that stay
+        # 8 bits wide compile to vector instructions of as many numbers.
+        c0 = c1 = c2 = c3 = c4 = c5 = c6 = c7 = c8 = c9 = c10 = np.uint8(0)
+        for k in range(np.uint64(start), np.uint64(min(n, start + _MOST_AT_ONCE))):
+            b = bins[angle, k]
+            c0, c1, c2 = np.uint8(c0 + (b == 0)), np.uint8(c1 + (b == 1)), np.uint8(c2 + (b == 2))
+            c3, c4, c5 = np.uint8(c3 + (b == 3)), np.uint8(c4 + (b == 4)), np.uint8(c5 + (b == 5))
+            c6, c7, c8 = np.uint8(c6 + (b == 6)), np.uint8(c7 + (b == 7)), np.uint8(c8 + (b == 8))
+            c9, c10 = np.uint8(c9 + (b == 9)), np.uint8(c10 + (b == 10))
+        counts = (c0, c1, c2, c3, c4, c5, c6, c7, c8, c9, c10)
+        for b in range(N_BINS):
+            histograms[row, column + b] += counts[b]
+    histograms[row, column + CENTRE] -= 1.0
+    total = 0.0
+    for b in range(N_BINS):
+        total += histograms[row, column + b]
+    scale = 100.0 / total if total > 0.0 else 0.0
+    for b in range(N_BINS):
+        histograms[row, column + b] *= scale
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def pair_weights(
     n: int,
     x: np.float32,
@@ -198,18 +180,26 @@ def pair_weights(
         weights[k] = _ZERO if ignored else _ONE / (_ONE if ignored else squared_distance)
 
 
-@njit(cache=True, error_model="numpy")
-def sum_of(n: int, values: NDArray[np.float32]) -> float:
-    """Sum of the first n values, n a multiple of 8, in an order that compiles to vector instructions."""
-    s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = _ZERO
-    one = np.uint64(1)
-    for k in range(np.uint64(0), np.uint64(n), np.uint64(8)):
-        s0 += values[k]
-        s1 += values[k + one]
-        s2 += values[k + np.uint64(2)]
-        s3 += values[k + np.uint64(3)]
-        s4 += values[k + np.uint64(4)]
-        s5 += values[k + np.uint64(5)]
-        s6 += values[k + np.uint64(6)]
-        s7 += values[k + np.uint64(7)]
-    return float(((s0 + s1) + (s2 + s3)) + ((s4 + s5) + (s6 + s7)))
+# The sums may be reordered, for vector instructions: the same order on each run of a machine.
+@njit(cache=True, error_model="numpy", fastmath={"reassoc"})
+def sum_of(n: int, values: NDArray[np.float32]) -> np.float32:
+    """Sum of the first n values."""
+    total = _ZERO
+    for k in range(n):
+        total += values[k]
+    return total
+
+
+@njit(cache=True, error_model="numpy", fastmath={"reassoc"})
+def share_of(
+    n: int,
+    weights: NDArray[np.float32],
+    scales: NDArray[np.float32],
+    labels: NDArray[np.float32],
+    label: np.float32,
+) -> np.float32:
+    """Sum of the first n weights, each times its scale, where the labels are equal to one."""
+    total = _ZERO
+    for k in range(n):
+        total += weights[k] * scales[k] if labels[k] == label else _ZERO
+    return total
