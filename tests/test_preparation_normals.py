@@ -7,14 +7,14 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from shapeconcepts.neighbours import radius_neighbours
-from shapeconcepts.preparation.normal_kernels import principal_component_normals, smallest_eigenvector
+from shapeconcepts.preparation.normal_kernels import principal_component_normals, smallest_eigenvectors
 
 seeds = st.integers(0, 2**32 - 1)
 
 
 def normal_of(matrix: np.ndarray) -> np.ndarray:
     upper = matrix[[0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]]
-    return np.array(smallest_eigenvector(*upper.tolist()))
+    return smallest_eigenvectors(upper[:, None].copy())[0]
 
 
 def assert_smallest(matrix: np.ndarray, tolerance: float = 1e-7) -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from shapeconcepts.preparation.point_kernels import centred_rows
+
 
 def canonical_coordinates(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Express points in the frame of their own principal axes.
@@ -23,8 +25,7 @@ def canonical_coordinates(points: NDArray[np.float64]) -> NDArray[np.float64]:
     (n, 3) float64
         Coordinates relative to the centroid, along the axes of falling variance.
     """
-    # Few long rows are faster to compute with than many short ones.
-    centred = np.ascontiguousarray((points - points.mean(axis=0)).T)
+    centred = centred_rows(points)  # few long rows are faster to compute with than many short ones
     _, axes = np.linalg.eigh(centred @ centred.T / len(points))
     coordinates = axes[:, ::-1].T @ centred
     skewness = (coordinates * coordinates * coordinates).sum(axis=1, keepdims=True)

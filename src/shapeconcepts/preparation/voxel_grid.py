@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from shapeconcepts.neighbours import sorting_order
 from shapeconcepts.preparation.canonical_frame import canonical_coordinates
+from shapeconcepts.preparation.point_kernels import centroid, sorted_by_cell
 
 KINECT_VOXEL_SIZE = 0.005
 POINTS_PER_VOXEL = 3.5
@@ -100,12 +101,8 @@ def _count(keys: NDArray[np.int64]) -> int:
 
 
 def _fill(points: NDArray[np.float64], keys: NDArray[np.int64], voxel_size: float) -> VoxelGrid:
-    order = sorting_order(keys)
-    sorted_keys = keys[order]
-    first = np.flatnonzero(np.diff(sorted_keys, prepend=sorted_keys[0] - 1))
-    counts = np.diff(first, append=len(points))
-    origin = points.mean(axis=0)
-    sums = np.add.reduceat(np.take(points - origin, order, axis=0), first, axis=0)
-    point_to_voxel = np.empty(len(points), np.int32)
-    point_to_voxel[order] = np.repeat(np.arange(len(first), dtype=np.int32), counts)
-    return VoxelGrid(sums / counts[:, None] + origin, point_to_voxel, float(voxel_size))
+    origin = centroid(points)  # sums relative to it round less
+    offsets, starts, point_to_voxel = sorted_by_cell(points, origin, keys, sorting_order(keys))
+    counts = np.diff(starts, append=len(points))
+    means = np.add.reduceat(offsets, starts, axis=0) / counts[:, None] + origin
+    return VoxelGrid(means, point_to_voxel, float(voxel_size))
