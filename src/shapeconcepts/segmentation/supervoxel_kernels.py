@@ -29,8 +29,8 @@ def closer_neighbours(
     return shorter_indptr, shorter[:count].copy()
 
 
-# Its sums may be reordered, for vector instructions: the same order on each run of a machine.
-@njit(cache=True, error_model="numpy", fastmath={"reassoc"})
+# Products and sums may be fused: the same result on each run of a machine.
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
 def smooth_normals(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
@@ -44,28 +44,39 @@ def smooth_normals(
 
     Parameters
     ----------
+    indptr, indices
+        Neighbours, as of `shapeconcepts.neighbours.Neighbours`.
     width : float
         Distance at which a neighbour's weight has fallen to 2/3, in the unit of the points.
     angular_width : float
         Angle from which on a neighbour has no weight, radians.
     """
     m = len(points)
-    spatial = np.empty(len(indices))
+    # Two neighbours have the same weight for each other, so each pair is taken once.
+    starts = np.zeros(m + 1, np.int64)
+    later = np.empty(len(indices) // 2, np.uint32)
+    spatial = np.empty(len(later))
+    count = np.uint64(0)
     for i in range(m):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
+        k = np.uint64(indptr[i + 1])
+        while k > np.uint64(indptr[i]) and indices[k - np.uint64(1)] > i:
+            k -= np.uint64(1)
             j = np.uint32(indices[k])
             dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
-            spatial[k] = 1 / (1 + (dx * dx + dy * dy + dz * dz) / (2 * width * width))
+            later[count] = j
+            spatial[count] = 1 / (1 + (dx * dx + dy * dy + dz * dz) / (2 * width * width))
+            count += np.uint64(1)
+        starts[i + 1] = count
     sharpness = 1 / (1 - math.cos(angular_width))
     current = normals.copy()
-    smoothed = np.empty_like(current)
     for _ in range(rounds):
+        sums = current.copy()
         for i in range(m):
             x, y, z = current[i, 0], current[i, 1], current[i, 2]
-            sx, sy, sz = x, y, z
-            for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
-                j = np.uint32(indices[k])
+            sx, sy, sz = 0.0, 0.0, 0.0
+            for k in range(np.uint64(starts[i]), np.uint64(starts[i + 1])):
+                j = later[k]
                 nx, ny, nz = current[j, 0], current[j, 1], current[j, 2]
                 closeness = 1 - (1 - (nx * x + ny * y + nz * z)) * sharpness
                 closeness = closeness if closeness > 0.0 else 0.0
@@ -73,9 +84,17 @@ def smooth_normals(
                 sx += weight * nx
                 sy += weight * ny
                 sz += weight * nz
-            length = math.sqrt(sx * sx + sy * sy + sz * sz)
-            smoothed[i, 0], smoothed[i, 1], smoothed[i, 2] = sx / length, sy / length, sz / length
-        current, smoothed = smoothed, current
+                sums[j, 0] += weight * x
+                sums[j, 1] += weight * y
+                sums[j, 2] += weight * z
+            sums[i, 0] += sx
+            sums[i, 1] += sy
+            sums[i, 2] += sz
+        for i in range(m):
+            x, y, z = sums[i, 0], sums[i, 1], sums[i, 2]
+            length = math.sqrt(x * x + y * y + z * z)
+            sums[i, 0], sums[i, 1], sums[i, 2] = x / length, y / length, z / length
+        current = sums
     return current
 
 
