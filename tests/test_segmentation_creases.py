@@ -7,7 +7,12 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from shapeconcepts.neighbours import radius_neighbours
-from shapeconcepts.segmentation.crease_kernels import border_pairs, crease_angles, sharpen_borders
+from shapeconcepts.segmentation.crease_kernels import (
+    border_pairs,
+    border_voxels,
+    crease_angles,
+    sharpen_borders,
+)
 from shapeconcepts.segmentation.super_patches import _unchanged
 from shapeconcepts.segmentation.surface_fit_kernels import (
     CURVATURE_RIDGE,
@@ -64,7 +69,7 @@ def adjacent(points):
 
 
 def angle_between(points, normals, labels, max_places=16):
-    _, first, second = border_pairs(points, *adjacent(points), labels)
+    _, first, second = border_pairs(points, *adjacent(points), labels, np.arange(len(points)))
     whole = np.array([0]), np.array([len(first)])
     angles = crease_angles(
         points, normals, *adjacent(points), labels, first, second, *whole, SCALE, max_places
@@ -78,7 +83,7 @@ def test_each_border_has_its_own_angle():
     far_points, far_normals, far_labels = wedge(np.radians(-90))
     points, normals = np.vstack([far_points, apart]), np.vstack([far_normals, normals])
     labels = np.concatenate([far_labels, labels + 2]).astype(np.int32)
-    keys, first, second = border_pairs(points, *adjacent(points), labels)
+    keys, first, second = border_pairs(points, *adjacent(points), labels, np.arange(len(points)))
     starts = np.flatnonzero(np.diff(keys, prepend=-1))
     ends = np.append(starts[1:], len(keys))
     angles = crease_angles(points, normals, *adjacent(points), labels, first, second, starts, ends, SCALE, 16)
@@ -123,7 +128,8 @@ def test_border_pairs_agrees_with_dictionary(seed, n_regions, radius):
                 apart = np.linalg.norm(points[i] - points[j])
                 pair = int(labels[i]), int(labels[j]), i
                 expected[pair] = min(expected.get(pair, (apart, j)), (apart, j))
-    key, first, second = border_pairs(points, indptr, indices, labels)
+    voxels = border_voxels(indptr, indices, labels)
+    key, first, second = border_pairs(points, indptr, indices, labels, voxels)
     found = {
         (int(k) // 2**31, int(k) % 2**31, int(i)): int(j) for k, i, j in zip(key, first, second, strict=True)
     }

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from shapeconcepts.neighbours import radius_neighbours
 from shapeconcepts.segmentation.linkage_kernels import border_lengths
-from shapeconcepts.segmentation.region_merging import MIN_BORDER, MIN_MEAN_SHARE, absorb_small, segment_edges
+from shapeconcepts.segmentation.region_merging import MIN_BORDER, MIN_MEAN_SHARE, absorb_small
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -65,9 +65,15 @@ def slow_absorb(pairs, labels, weights, min_share, min_voxels, max_segments):
 def test_absorbing_agrees_with_counting_anew(seed, n_regions, min_share, min_voxels, max_segments):
     adjacency, labels, weights = mosaic(seed, n_regions)
     limits = min_share, min_voxels, max_segments
-    absorbed = absorb_small(adjacency, labels, weights, *limits)
-    assert absorbed.dtype == np.int32
-    assert absorbed.tolist() == slow_absorb(pairs_of(adjacency), labels, weights.tolist(), *limits)
+    absorbed, edges = absorb_small(adjacency, labels, weights, *limits)
+    assert absorbed.dtype == np.int32 and edges.dtype == np.int32
+    pairs = pairs_of(adjacency)
+    assert absorbed.tolist() == slow_absorb(pairs, labels, weights.tolist(), *limits)
+    n = absorbed.max() + 1
+    long_enough = [
+        [a, b] for a in range(n) for b in range(a + 1, n) if border(pairs, absorbed, a, b) >= MIN_BORDER
+    ]
+    assert edges.tolist() == long_enough and edges.shape[1] == 2
     sizes = np.bincount(absorbed[absorbed >= 0])
     assert 1 <= len(sizes) <= max_segments
     assert (np.diff(sizes) <= 0).all() and sizes.min() > 0
@@ -85,7 +91,7 @@ def test_small_segment_goes_to_the_longer_border_not_the_larger_segment():
     labels = np.where(x < 10, 0, 1).astype(np.int32)
     labels[(x >= 9) & (x < 10) & (y >= 1)] = 2  # touches 0 along two sides, 1 along one
     adjacency = radius_neighbours(np.column_stack([x, y, 0 * x]), 1.1)
-    absorbed = absorb_small(adjacency, labels, np.ones(200, int), 0.1, 1, 12)
+    absorbed, _ = absorb_small(adjacency, labels, np.ones(200, int), 0.1, 1, 12)
     np.testing.assert_array_equal(absorbed == absorbed[0], x < 10)
 
 
@@ -93,8 +99,8 @@ def test_voxels_may_be_many_but_points_few():
     points, labels = strip(50, 50)
     weights = np.where(labels == 0, 1000, 1)
     adjacency = radius_neighbours(points, 1.1)
-    assert absorb_small(adjacency, labels, weights, 0.05, 1, 12).max() == 0
-    assert absorb_small(adjacency, labels, weights, 0.0005, 1, 12).max() == 1
+    assert absorb_small(adjacency, labels, weights, 0.05, 1, 12)[0].max() == 0
+    assert absorb_small(adjacency, labels, weights, 0.0005, 1, 12)[0].max() == 1
 
 
 def test_few_points_on_much_surface_are_kept():
@@ -104,19 +110,19 @@ def test_few_points_on_much_surface_are_kept():
     for dense, kept in ((12, True), (25, False)):
         weights = np.where(labels == 0, dense, 1)
         assert weights[labels == 1].sum() < 0.04 * weights.sum()
-        assert (absorb_small(adjacency, labels, weights, 0.04, 1, 12).max() == 1) == kept
+        assert (absorb_small(adjacency, labels, weights, 0.04, 1, 12)[0].max() == 1) == kept
 
 
 def test_last_segment_stays_however_small():
     points, labels = strip(3)
     adjacency = radius_neighbours(points, 1.1)
-    assert absorb_small(adjacency, labels, np.ones(3, int), 0.5, 100, 1).tolist() == [0, 0, 0]
+    assert absorb_small(adjacency, labels, np.ones(3, int), 0.5, 100, 1)[0].tolist() == [0, 0, 0]
 
 
 def test_segment_without_neighbour_is_dropped():
     points, labels = strip(60, 40, 5)
     points[100:, 0] += 10.0
-    absorbed = absorb_small(radius_neighbours(points, 1.1), labels, np.ones(105, int), 0.1, 1, 12)
+    absorbed, _ = absorb_small(radius_neighbours(points, 1.1), labels, np.ones(105, int), 0.1, 1, 12)
     np.testing.assert_array_equal(absorbed, np.repeat([0, 1, -1], [60, 40, 5]))
 
 
@@ -124,20 +130,16 @@ def test_no_segments_at_all():
     points, labels = strip(4)
     adjacency = radius_neighbours(points, 1.1)
     none = np.full_like(labels, -1)
-    assert absorb_small(adjacency, none, np.ones(4, int), 0.1, 1, 12).tolist() == [-1] * 4
-    assert segment_edges(adjacency, none).shape == (0, 2)
+    segments, edges = absorb_small(adjacency, none, np.ones(4, int), 0.1, 1, 12)
+    assert segments.tolist() == [-1] * 4
+    assert edges.shape == (0, 2)
 
 
 @settings(max_examples=40, deadline=None)
 @given(seeds, st.integers(1, 9))
-def test_borders_and_edges_agree_with_counting(seed, n_regions):
+def test_borders_agree_with_counting(seed, n_regions):
     adjacency, labels, _ = mosaic(seed, n_regions)
     pairs, n = pairs_of(adjacency), labels.max() + 1
     lengths = border_lengths(*adjacency, labels)
     expected = [[border(pairs, labels, a, b) if a != b else 0 for b in range(n)] for a in range(n)]
     assert lengths.tolist() == expected
-    edges = segment_edges(adjacency, labels)
-    assert edges.dtype == np.int32 and edges.shape[1] == 2
-    assert [tuple(edge) for edge in edges.tolist()] == [
-        (a, b) for a in range(n) for b in range(a + 1, n) if expected[a][b] >= MIN_BORDER
-    ]

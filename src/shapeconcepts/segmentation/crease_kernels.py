@@ -12,15 +12,39 @@ from shapeconcepts.segmentation.surface_fit_kernels import fit_surface, gather_s
 
 
 @njit(cache=True, error_model="numpy")
+def border_voxels(
+    indptr: NDArray[np.int64], indices: NDArray[np.int32], labels: NDArray[np.int32]
+) -> NDArray[np.int64]:
+    """Voxels of a region with a voxel of another region, or of none, next to them."""
+    voxels = np.empty(len(labels), np.int64)
+    count = 0
+    for i in range(len(labels)):
+        if labels[i] < 0:
+            continue
+        for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
+            if labels[np.uint32(indices[k])] != labels[i]:
+                voxels[count] = i
+                count += 1
+                break
+    return voxels[:count]
+
+
+@njit(cache=True, error_model="numpy")
 def border_pairs(
     points: NDArray[np.float64],
     indptr: NDArray[np.int64],
     indices: NDArray[np.int32],
     labels: NDArray[np.int32],
+    voxels: NDArray[np.int64],
 ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int32]]:
     """Pair every border voxel of a region with the nearest adjacent voxel of each neighbouring region.
 
     Only the side of the smaller region number is listed.
+
+    Parameters
+    ----------
+    voxels : (v,) int64
+        The voxels to look at, all border voxels among them, rising.
 
     Returns
     -------
@@ -29,12 +53,11 @@ def border_pairs(
     first, second : (p,) int32
         The voxel in a, and its partner in b.
     """
-    m = len(labels)
     key = np.empty(len(indices), np.int64)
     first = np.empty(len(indices), np.int32)
     second = np.empty(len(indices), np.int32)
     count = 0
-    for i in range(m):
+    for i in voxels:
         a = labels[i]
         if a < 0:
             continue

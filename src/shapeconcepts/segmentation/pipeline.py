@@ -7,7 +7,7 @@ import numpy as np
 from shapeconcepts.neighbours import Neighbours
 from shapeconcepts.parameter_checks import check_integer, check_length
 from shapeconcepts.preparation import PreparedObject, prepare
-from shapeconcepts.segmentation.region_merging import absorb_small, segment_edges
+from shapeconcepts.segmentation.region_merging import absorb_small
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 from shapeconcepts.segmentation.super_patches import super_patches
 from shapeconcepts.segmentation.supervoxel_kernels import closer_neighbours, inherit_patches, smooth_normals
@@ -70,13 +70,13 @@ def segment(
     patches = supervoxels(points, normals, adjacency, voxel, max(seed_size, 4 * voxel))
     regions = super_patches(points, normals, adjacency, patches, voxel)
     weights = np.bincount(prepared.point_to_voxel[prepared.point_to_voxel >= 0], minlength=len(points))
-    segments = absorb_small(adjacency, regions, weights, MIN_SHARE, MIN_VOXELS, max_segments)
+    segments, edges = absorb_small(adjacency, regions, weights, MIN_SHARE, MIN_VOXELS, max_segments)
     return SegmentedObject(
         points=points,
         normals=prepared.normals,
         patch_labels=inherit_patches(*adjacency, patches, segments),
         segment_labels=segments,
-        segment_edges=segment_edges(adjacency, segments),
+        segment_edges=edges,
         n_segments=int(segments.max(initial=-1)) + 1,
         point_to_voxel=prepared.point_to_voxel,
         voxel_size=voxel,

@@ -19,7 +19,7 @@ def absorb_small(
     min_share: float,
     min_voxels: int,
     max_segments: int,
-) -> NDArray[np.int32]:
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Merge the smallest segment over its longest border, again and again: until all are large and few.
 
     A segment without a neighbour is dropped (-1), but never the last one.
@@ -40,8 +40,10 @@ def absorb_small(
 
     Returns
     -------
-    (m,) int32
+    segments : (m,) int32
         Segments numbered in the order of falling size, -1 for none.
+    edges : (e, 2) int32
+        Pairs of segments that share a border of at least 4 adjacent voxel pairs.
     """
     border = border_lengths(*adjacency, labels)
     members = labels >= 0
@@ -72,11 +74,8 @@ def absorb_small(
         border[:, neighbour] += border[:, smallest]
         border[neighbour, neighbour] = 0
         border[smallest] = border[:, smallest] = 0
+    ranked = sorted(alive, key=lambda s: (-size[s], s))
     rank = np.full(len(border) + 1, -1, np.int32)
-    rank[sorted(alive, key=lambda s: (-size[s], s))] = np.arange(len(alive))
-    return rank[np.append(target, -1)[labels]]
-
-
-def segment_edges(adjacency: Neighbours, labels: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Pairs of segments, (e, 2), that share a border of at least 4 adjacent voxel pairs."""
-    return np.argwhere(np.triu(border_lengths(*adjacency, labels) >= MIN_BORDER)).astype(np.int32)
+    rank[ranked] = np.arange(len(ranked))
+    edges = np.argwhere(np.triu(border[np.ix_(ranked, ranked)] >= MIN_BORDER))
+    return rank[np.append(target, -1)[labels]], edges.astype(np.int32)

@@ -5,9 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.neighbours import Neighbours
+from shapeconcepts.neighbours import Neighbours, sorting_order
 from shapeconcepts.segmentation.border_settling_kernels import settle_borders
-from shapeconcepts.segmentation.crease_kernels import border_pairs, crease_angles, sharpen_borders
+from shapeconcepts.segmentation.crease_kernels import (
+    border_pairs,
+    border_voxels,
+    crease_angles,
+    sharpen_borders,
+)
 from shapeconcepts.segmentation.linkage_kernels import average_linkage, patch_borders
 
 FLAT_ANGLE = np.radians(12.0)
@@ -90,9 +95,10 @@ def _join_smooth(
     radius: float,
 ) -> NDArray[np.int32]:
     known: dict[tuple[int, int], float] = {}
+    voxels = border_voxels(*adjacency, regions)  # merging makes no others
     while True:
-        keys, first, second = border_pairs(points, *adjacency, regions)
-        order = np.argsort(keys, kind="stable")
+        keys, first, second = border_pairs(points, *adjacency, regions, voxels)
+        order = sorting_order(keys)
         first, second = first[order], second[order]
         bounds = np.flatnonzero(np.diff(keys[order], prepend=-1, append=-1))
         starts, ends = bounds[:-1], bounds[1:]
