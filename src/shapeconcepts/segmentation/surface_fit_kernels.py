@@ -40,21 +40,24 @@ def gather_surroundings(
     int
         Their number.
     """
-    count = 0
+    # Written always and kept by the count: no branch to mispredict.
+    reached = np.uint64(0)
     stamps[voxel] = stamp
-    x, y, z = points[voxel, 0], points[voxel, 1], points[voxel, 2]
     for k in range(np.uint64(indptr[voxel]), np.uint64(indptr[voxel + 1])):
         step = np.uint32(indices[k])  # an unsigned index needs no test for counting from the end
         for second in range(np.uint64(indptr[step]), np.uint64(indptr[step + np.uint32(1)])):
             j = np.uint32(indices[second])
-            if stamps[j] == stamp:
-                continue
+            surroundings[reached] = j
+            reached += np.uint64(stamps[j] != stamp)
             stamps[j] = stamp
-            dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
-            if dx * dx + dy * dy + dz * dz <= radius * radius:
-                surroundings[count] = j
-                count += 1
-    return count
+    x, y, z = points[voxel, 0], points[voxel, 1], points[voxel, 2]
+    count = np.uint64(0)
+    for k in range(reached):
+        j = np.uint32(surroundings[k])
+        dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
+        surroundings[count] = j
+        count += np.uint64(dx * dx + dy * dy + dz * dz <= radius * radius)
+    return np.int64(count)
 
 
 # Its sums may be reordered, for vector instructions: the same order on each run of a machine.
