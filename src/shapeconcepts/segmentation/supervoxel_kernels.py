@@ -17,14 +17,14 @@ def closer_neighbours(
     m = len(indptr) - 1
     shorter_indptr = np.zeros(m + 1, np.int64)
     shorter = np.empty(len(indices), np.int32)
-    count = 0
+    count = np.uint64(0)
     for i in range(m):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
         for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
             j = np.uint32(indices[k])  # an unsigned index needs no test for counting from the end
             dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
             shorter[count] = j
-            count += dx * dx + dy * dy + dz * dz <= radius * radius
+            count += np.uint64(dx * dx + dy * dy + dz * dz <= radius * radius)
         shorter_indptr[i + 1] = count
     return shorter_indptr, shorter[:count].copy()
 
@@ -139,12 +139,10 @@ def grow_supervoxels(
             nx, ny, nz = normals[c, 0], normals[c, 1], normals[c, 2]
             for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
                 j = np.uint32(indices[k])
-                if owner[j] == s:
-                    continue
                 dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
                 cosine = normals[j, 0] * nx + normals[j, 1] * ny + normals[j, 2] * nz
                 d = (dx * dx + dy * dy + dz * dz) / (seed_size * seed_size) + normal_weight * (1 - cosine)
-                if d < distance[j]:
+                if d < distance[j]:  # which is false where s is the owner
                     distance[j] = d
                     next_owner[j] = s
                     changed[j] = True
