@@ -179,6 +179,9 @@ def sharpen_borders(
     stamps = np.zeros(m, np.int32)
     surroundings = np.empty(m, np.int32)
     stamp = 0
+    # Regions around a voxel, its own first, and how many of the adjacent voxels each holds.
+    regions = np.empty(m + 1, np.int32)
+    members = np.empty(m + 1, np.int64)
     current = labels.copy()
     active = np.ones(m, np.bool_)
     for _ in range(rounds):
@@ -195,26 +198,31 @@ def sharpen_borders(
                 continue
             stamp += 1
             n_around = gather_surroundings(points, indptr, indices, i, scale, stamps, stamp, surroundings)
+            regions[0], members[0] = own, same
+            n_regions = 1
+            for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
+                region = current[np.uint32(indices[k])]
+                if region < 0 or region == own:
+                    continue
+                place = 1
+                while place < n_regions and regions[place] != region:
+                    place += 1
+                if place == n_regions:
+                    regions[place], members[place] = region, 0
+                    n_regions += 1
+                members[place] += 1
             lowest = np.inf
             best = own
-            for k in range(indptr[i] - 1, indptr[i + 1]):
-                region = own if k < indptr[i] else current[indices[k]]
-                if region < 0 or (k >= indptr[i] and region == own):
-                    continue
-                agreeing = 0
-                seen = False
-                for other in range(indptr[i], indptr[i + 1]):
-                    if current[indices[other]] == region:
-                        seen = seen or other < k
-                        agreeing += 1
+            for place in range(n_regions):
                 # What smoothness alone makes too costly needs no fit.
-                if seen or smoothness * (1 - agreeing / degree) >= lowest:
+                roughness = smoothness * (1 - members[place] / degree)
+                if roughness >= lowest:
                     continue
                 count, height, _, _, _ = fit_surface(
                     points,
                     normals,
                     current,
-                    region,
+                    regions[place],
                     surroundings[:n_around],
                     points[i, 0],
                     points[i, 1],
@@ -222,12 +230,9 @@ def sharpen_borders(
                     scale,
                     workspace,
                 )
-                if count == 0:
-                    continue
-                cost = abs(height) + smoothness * (1 - agreeing / degree)
-                if cost < lowest:
-                    lowest = cost
-                    best = region
+                if count > 0 and abs(height) + roughness < lowest:
+                    lowest = abs(height) + roughness
+                    best = regions[place]
             updated[i] = best
         active[:] = False
         for i in range(m):
