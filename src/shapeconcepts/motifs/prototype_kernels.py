@@ -12,42 +12,50 @@ from shapeconcepts.motifs.stimulus_kernels import ONE
 
 # Divergences closer than this are the rounding of equal histograms.
 SMALLEST_SCALE = 1e-5
+TILE = 512
+AT_ONCE = 16
 
 
-@njit(cache=True, nogil=True)
+# Fused with the sum or not, a product of two single precision numbers is exact.
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def hellinger_divergences(
-    root: NDArray[np.float32], prototype_roots: NDArray[np.float32], divergences: NDArray[np.float64]
+    roots: NDArray[np.float32], prototype_roots: NDArray[np.float32], divergences: NDArray[np.float64]
 ) -> None:
-    """Squared Hellinger distance of a histogram to every prototype, 1 minus the sum of sqrt(p q).
+    """Squared Hellinger distance of histograms to every prototype, 1 minus the sum of sqrt(p q).
 
     Parameters
     ----------
-    root : (b,) float32
-        Square roots of the histogram.
+    roots : (k, b) float32
+        Square roots of the histograms.
     prototype_roots : (b, p) float32
         Square roots of the prototypes, bin by bin, so that the inner loop compiles to vector instructions.
-    divergences : (p,) float64, output
-        0 (same) to 1 (nothing in common).
+    divergences : (k, p) float64, output
+        0 (same) to 1 (nothing in common). It does not depend on the other histograms, to the last bit.
     """
     n_bins, n = prototype_roots.shape
-    for t in range(n):
-        divergences[t] = 1.0
-    # Four bins in one pass load and store each divergence once; the sum is that of one bin after the other.
     in_fours = n_bins - n_bins % 4
-    for b in range(0, in_fours, 4):
-        r0, r1 = np.float64(root[b]), np.float64(root[b + 1])
-        r2, r3 = np.float64(root[b + 2]), np.float64(root[b + 3])
-        for t in range(n):
-            d = divergences[t] - r0 * np.float64(prototype_roots[b, t])
-            d -= r1 * np.float64(prototype_roots[b + 1, t])
-            d -= r2 * np.float64(prototype_roots[b + 2, t])
-            divergences[t] = d - r3 * np.float64(prototype_roots[b + 3, t])
-    for b in range(in_fours, n_bins):
-        r0 = np.float64(root[b])
-        for t in range(n):
-            divergences[t] -= r0 * np.float64(prototype_roots[b, t])
-    for t in range(n):
-        divergences[t] = max(divergences[t], 0.0)
+    # Prototypes are read from memory once for all histograms: those of a tile stay in the cache.
+    for first in range(0, n, TILE):
+        end = min(first + TILE, n)
+        for q in range(len(roots)):
+            for t in range(first, end):
+                divergences[q, t] = 1.0
+            # Four bins in one pass load and store each divergence once; the sum is that of one bin after the
+            # other.
+            for b in range(0, in_fours, 4):
+                r0, r1 = np.float64(roots[q, b]), np.float64(roots[q, b + 1])
+                r2, r3 = np.float64(roots[q, b + 2]), np.float64(roots[q, b + 3])
+                for t in range(np.uint64(first), np.uint64(end)):
+                    d = divergences[q, t] - r0 * np.float64(prototype_roots[b, t])
+                    d -= r1 * np.float64(prototype_roots[b + 1, t])
+                    d -= r2 * np.float64(prototype_roots[b + 2, t])
+                    divergences[q, t] = d - r3 * np.float64(prototype_roots[b + 3, t])
+            for b in range(in_fours, n_bins):
+                r0 = np.float64(roots[q, b])
+                for t in range(np.uint64(first), np.uint64(end)):
+                    divergences[q, t] -= r0 * np.float64(prototype_roots[b, t])
+            for t in range(first, end):
+                divergences[q, t] = max(divergences[q, t], 0.0)
 
 
 @njit(cache=True, nogil=True)
@@ -80,18 +88,18 @@ def neighbourhood_scales(
     """`neighbourhood_scale` of every prototype, (p,) float64."""
     n = prototype_roots.shape[1]
     scales = np.empty(n)
-    divergences, others = np.empty(n), np.empty(n)
-    for t in range(n):
-        hellinger_divergences(prototype_roots[:, t].copy(), prototype_roots, divergences)
-        scales[t] = neighbourhood_scale(divergences, objects, objects[t], n_neighbours, others)
+    divergences, others = np.empty((AT_ONCE, n)), np.empty(n)
+    for first in range(0, n, AT_ONCE):
+        end = min(first + AT_ONCE, n)
+        hellinger_divergences(prototype_roots[:, first:end].T.copy(), prototype_roots, divergences)
+        for t in range(first, end):
+            scales[t] = neighbourhood_scale(divergences[t - first], objects, objects[t], n_neighbours, others)
     return scales
 
 
 @njit(cache=True, nogil=True)
 def prototype_stimuli(
-    root: NDArray[np.float32],
     activated: NDArray[np.int32],
-    prototype_roots: NDArray[np.float32],
     prototype_vertices: NDArray[np.int32],
     prototype_objects: NDArray[np.int32],
     scales: NDArray[np.float64],
@@ -106,11 +114,8 @@ def prototype_stimuli(
 
     Parameters
     ----------
-    root : (b,) float32
-        Square roots of the constellation's histogram.
     activated : (n,) int32
         Vertex that it activates in each hierarchy, -1 for none.
-    prototype_roots : (b, p) float32
     prototype_vertices : (p, n) int32
     prototype_objects : (p,) int32
     scales : (p,) float64
@@ -122,13 +127,12 @@ def prototype_stimuli(
         Bandwidth in parts of the scales.
     smallest : float
         Stimuli under this are 0.
-    stimuli : (p,) float64, output
-        0 to 1.
+    stimuli : (p,) float64, input and output
+        The constellation's `hellinger_divergences`; overwritten with stimuli, 0 to 1.
     others : (p,) float64
         Buffer.
     """
     n_levels = len(activated)
-    hellinger_divergences(root, prototype_roots, stimuli)
     scale = neighbourhood_scale(stimuli, prototype_objects, left_out, n_neighbours, others)
     # Beyond this the kernel is under `smallest` whatever the words.
     reach = -2.0 * math.log(smallest) * width * width * scale
@@ -150,8 +154,8 @@ def prototype_stimuli(
 @njit(cache=True, nogil=True)
 def prototype_row(
     roots: NDArray[np.float32],
-    activated: NDArray[np.int32],
     prototype_roots: NDArray[np.float32],
+    activated: NDArray[np.int32],
     prototype_vertices: NDArray[np.int32],
     prototype_objects: NDArray[np.int32],
     scales: NDArray[np.float64],
@@ -162,33 +166,35 @@ def prototype_row(
 ) -> NDArray[np.float64]:
     """Mean over an object's constellations of their `prototype_stimuli`, each scaled to sum 1, (p,) float64.
 
-    Parameters are those of `prototype_stimuli`, with `roots` (k, b) and `activated` (k, n) of all
+    Parameters are those of `hellinger_divergences` and `prototype_stimuli`, with `activated` (k, n) of all
     constellations. One that stimulates nothing counts as zeros.
     """
     n_constellations, n = len(roots), prototype_roots.shape[1]
     row = np.zeros(n)
-    stimuli, others = np.empty(n), np.empty(n)
-    for q in range(n_constellations):
-        prototype_stimuli(
-            roots[q],
-            activated[q],
-            prototype_roots,
-            prototype_vertices,
-            prototype_objects,
-            scales,
-            left_out,
-            n_neighbours,
-            width,
-            smallest,
-            stimuli,
-            others,
-        )
-        # Summed as integers: the order in which the prototypes were seen does not matter.
-        total = 0
-        for t in range(n):
-            if stimuli[t] > 0.0:
-                total += round(ONE * stimuli[t])
-        if total > 0:
+    batch, others = np.empty((AT_ONCE, n)), np.empty(n)
+    for first in range(0, n_constellations, AT_ONCE):
+        end = min(first + AT_ONCE, n_constellations)
+        hellinger_divergences(roots[first:end], prototype_roots, batch)
+        for q in range(first, end):
+            stimuli = batch[q - first]
+            prototype_stimuli(
+                activated[q],
+                prototype_vertices,
+                prototype_objects,
+                scales,
+                left_out,
+                n_neighbours,
+                width,
+                smallest,
+                stimuli,
+                others,
+            )
+            # Summed as integers: the order in which the prototypes were seen does not matter.
+            total = 0
             for t in range(n):
-                row[t] += ONE * stimuli[t] / total
+                if stimuli[t] > 0.0:
+                    total += round(ONE * stimuli[t])
+            if total > 0:
+                for t in range(n):
+                    row[t] += ONE * stimuli[t] / total
     return row / n_constellations

@@ -9,7 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
-from shapeconcepts.motifs.prototype_kernels import neighbourhood_scales, prototype_row, prototype_stimuli
+from shapeconcepts.motifs.prototype_kernels import (
+    hellinger_divergences,
+    neighbourhood_scales,
+    prototype_row,
+    prototype_stimuli,
+)
 from shapeconcepts.motifs.stimuli import Activation, SparseRow
 
 # Sigma in parts of the divergence to the N-th neighbour.
@@ -69,18 +74,21 @@ class PrototypeField:
         activated : (n,) int32
             Vertex that the constellation activates in each hierarchy, -1 for none.
         """
-        stimuli, buffer = np.empty((2, len(self.scales)))
-        prototype_stimuli(np.sqrt(histogram), activated, *self._known, -1, *self._constants, stimuli, buffer)
-        return stimuli
+        stimuli, buffer = np.empty((1, len(self.scales))), np.empty(len(self.scales))
+        hellinger_divergences(np.sqrt(histogram)[None], self.roots, stimuli)
+        prototype_stimuli(activated, *self._known, -1, *self._constants, stimuli[0], buffer)
+        return stimuli[0]
 
     def row(self, activation: Activation) -> NDArray[np.float64]:
         """Stimulus of each prototype by an object, (p,) float64, 0 to 1; see `prototype_rows`."""
         histograms, activated, left_out = activation
-        return prototype_row(np.sqrt(histograms), activated, *self._known, left_out, *self._constants)
+        return prototype_row(
+            np.sqrt(histograms), self.roots, activated, *self._known, left_out, *self._constants
+        )
 
     @property
-    def _known(self) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
-        return self.roots, self.vertices, self.objects, self.scales
+    def _known(self) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
+        return self.vertices, self.objects, self.scales
 
     @property
     def _constants(self) -> tuple[int, float, float]:

@@ -60,7 +60,8 @@ def gather_surroundings(
     return np.int64(count)
 
 
-# Its sums may be reordered, for vector instructions, and fused with products: the same on each run of a machine.
+# Its sums may be reordered, for vector instructions, and fused with products: the same on each run of a
+# machine.
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
 def fit_surface(
     points: NDArray[np.float64],
