@@ -155,8 +155,8 @@ def segment_sums(
             pair_weights(n, x, y, z, nearby, weights)
             for segment in range(n_segments):
                 if is_near[segment]:
-                    share = share_of(n, weights, nearby[4], nearby[3], np.float32(segment))
-                    share += np.float32(surface[3, i] == segment)
+                    share = np.float64(surface[3, i] == segment)
+                    share += share_of(n, weights, nearby[4], nearby[3], np.float32(segment))
                     for b in range(n_bins):
                         sums[segment, b] += share * histograms[i, b]
     return sums

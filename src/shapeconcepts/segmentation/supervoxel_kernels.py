@@ -59,10 +59,10 @@ def smooth_normals(
     count = np.uint64(0)
     for i in range(m):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        k = np.uint64(indptr[i + 1])
-        while k > np.uint64(indptr[i]) and indices[k - np.uint64(1)] > i:
-            k -= np.uint64(1)
-            j = np.uint32(indices[k])
+        place = np.uint64(indptr[i + 1])
+        while place > np.uint64(indptr[i]) and indices[place - np.uint64(1)] > i:
+            place -= np.uint64(1)
+            j = np.uint32(indices[place])
             dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
             later[count] = j
             spatial[count] = 1 / (1 + (dx * dx + dy * dy + dz * dz) / (2 * width * width))

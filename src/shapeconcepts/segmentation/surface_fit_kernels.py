@@ -51,13 +51,13 @@ def gather_surroundings(
             reached += np.uint64(stamps[j] != stamp)
             stamps[j] = stamp
     x, y, z = points[voxel, 0], points[voxel, 1], points[voxel, 2]
-    count = np.uint64(0)
+    count = 0
     for k in range(reached):
         j = np.uint32(surroundings[k])
         dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
         surroundings[count] = j
-        count += np.uint64(dx * dx + dy * dy + dz * dz <= radius * radius)
-    return np.int64(count)
+        count += dx * dx + dy * dy + dz * dz <= radius * radius
+    return count
 
 
 # Its sums may be reordered, for vector instructions, and fused with products: the same on each run of a
