@@ -95,11 +95,14 @@ def test_rule():
     assert longest_state(states([0.1, 0.3, 0.5, 0.9, 1], [3, 4, 4, 3, 1], 32)) == 0.5
     # More concepts than 4, or fewer than 3, last longer, but do not compete.
     assert longest_state(states([0.01, 0.5, 0.6, 0.7, 1], [5, 4, 3, 2, 1], 32)) == 0.5
-    # Of 10 to 20 concepts of 400 objects; without any, the nearest.
+    # Of 27 to 36 concepts of 900 objects; of 400, a 24th of which is 16.7, of 17 to 24; without any, the
+    # nearest.
+    assert longest_state(states([0.1, 0.2, 0.5, 0.6, 1], [37, 36, 27, 26, 1], 900)) == 0.2
+    assert longest_state(states([0.1, 0.2, 0.5, 0.6, 1], [25, 24, 17, 16, 1], 400)) == 0.2
     assert longest_state(states([0.1, 0.2, 0.3, 1], [2, 3, 2, 1], 400)) == 0.2
-    assert longest_state(states([0.1, 0.2, 0.3, 1], [30, 25, 22, 1], 400)) == 0.3
-    # In small sets fewer: at most 5 of 40 objects, whose root is above 6; 3 of 60 will do, half of whose root
-    # is above 3, and 4 of 90, half of whose root is above 4.
+    assert longest_state(states([0.1, 0.2, 0.3, 1], [40, 30, 28, 1], 400)) == 0.3
+    # In small sets fewer: at most 5 of 40 objects, whose root is above 6; 3 of 60 will do, and 4 of 90, whose
+    # roots are above 7 and 9.
     assert longest_state(states([0.1, 0.5, 0.6, 0.9, 1], [6, 5, 5, 2, 1], 40)) == 0.6
     assert longest_state(states([0.1, 0.2, 0.3, 0.9, 1], [30, 5, 3, 2, 1], 60)) == 0.3
     assert longest_state(states([0.1, 0.2, 0.3, 0.9, 1], [30, 5, 4, 3, 1], 90)) == 0.3

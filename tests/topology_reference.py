@@ -185,8 +185,8 @@ def slow_longest_state(
     highest = max(count for _, _, count in states)
     while any(count == highest for _, _, count in states[1:]):
         states = states[1:]
-    most = max(min(sqrt(n_objects), n_objects // 8), 2)
-    fewest = min(max(min(sqrt(n_objects) / 2, max(n_objects / 24, 3)), 2), most)
+    most = max(min(1.2 * sqrt(n_objects), n_objects // 8), 2)
+    fewest = min(max(min(0.9 * sqrt(n_objects), max(n_objects / 24, 3)), 2), most)
     excess = {count: max(fewest - count, count - most, 0) for _, _, count in states}
     fair = [state for state in states if excess[state[2]] == min(excess.values())]
     longest = max(lasts for _, lasts, _ in fair)

@@ -52,9 +52,9 @@ def longest_state(states: States) -> float | None:
 
     How long a grouping outlives the annexation that made it says how clearly its groups are apart. Coarse
     groupings outlive fine ones for no better reason than that fewer annexations are left, so only those with
-    sqrt(n) / 2 to sqrt(n) concepts of n objects compete, in small sets n / 24 (but 3) to n / 8, where that is
-    fewer; if there are none, those nearest to this range. The number of concepts first rises, as objects find
-    each other, then falls; only the fall counts.
+    0.9 sqrt(n) to 1.2 sqrt(n) concepts of n objects compete, in small sets n / 24 (but 3) to n / 8, where
+    that is fewer; if there are none, those nearest to this range. The number of concepts first rises, as
+    objects find each other, then falls; only the fall counts.
 
     Returns
     -------
@@ -71,8 +71,8 @@ def longest_state(states: States) -> float | None:
     peak = np.flatnonzero(is_open & (states.n_concepts == states.n_concepts[is_open].max()))[-1]
     candidates = peak + np.flatnonzero(is_open[peak:])
     root = np.sqrt(states.n_objects)
-    most = max(min(root, states.n_objects // 8), 2.0)
-    fewest = min(max(min(root / 2, max(states.n_objects / 24, 3.0)), 2.0), most)
+    most = max(min(1.2 * root, states.n_objects // 8), 2.0)
+    fewest = min(max(min(0.9 * root, max(states.n_objects / 24, 3.0)), 2.0), most)
     counts = states.n_concepts[candidates]
     outside = np.maximum(fewest - counts, counts - most).clip(0)
     candidates = candidates[outside == outside.min()]
