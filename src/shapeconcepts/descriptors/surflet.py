@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from shapeconcepts.descriptors.protocol import Description
 from shapeconcepts.descriptors.surface import checked_labels, checked_surface
 from shapeconcepts.descriptors.surflet_kernels import accumulate_relations, largest_distance
+from shapeconcepts.neighbours import sorting_order
 from shapeconcepts.preparation.canonical_frame import canonical_coordinates
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
@@ -19,9 +20,9 @@ DISTANCE_BINS = 5
 ANGLE_BINS = 9
 N_BINS = DISTANCE_BINS * 3 * ANGLE_BINS
 METRIC_RANGE = 0.5
-# Edge of the cells in which points are averaged, in root mean square distances from the centroid: 400 to 600
+# Edge of the cells in which points are averaged, in root mean square distances from the centroid: 150 to 250
 # cells for a typical view, whatever the size and density of the object.
-_CELL_FRACTION = 1 / 6
+_CELL_FRACTION = 1 / 4.5
 # Metres. Coincident points lie this close after rounding, and have no angles.
 _SMALLEST_DIAMETER = 1e-9
 
@@ -101,14 +102,16 @@ def _average_cells(
     cells = (cells - cells.min(axis=0)).astype(np.int64)
     size = cells.max(axis=0) + 1
     keys = ((labels * size[0] + cells[:, 0]) * size[1] + cells[:, 1]) * size[2] + cells[:, 2]
-    occupied, cell_of_point, counts = np.unique(keys, return_inverse=True, return_counts=True)
+    order = sorting_order(keys)
+    starts = np.flatnonzero(np.diff(keys[order], prepend=-1))
+    counts = np.diff(starts, append=len(keys))
     means, normal_sums = (
-        np.stack([np.bincount(cell_of_point, axis) for axis in vectors.T]) / counts
-        for vectors in (offsets, normals)
+        np.add.reduceat(vectors.T[:, order], starts, axis=1) / counts for vectors in (offsets, normals)
     )
     lengths = np.sqrt((normal_sums**2).sum(axis=0))
     mean_normals = np.divide(normal_sums, lengths, out=np.zeros_like(normal_sums), where=lengths > 0.0)
-    return _Surflets(means, mean_normals, counts.astype(np.float64), occupied // size.prod())
+    segments = labels[order[starts]]
+    return _Surflets(means, mean_normals, counts.astype(np.float64), segments)
 
 
 def _fold_ends(padded: NDArray[np.float64]) -> NDArray[np.float64]:
