@@ -162,13 +162,13 @@ def test_bad_objects(descriptor, blob):
 
 def test_parameters():
     assert FPFH() == FPFH(radius=0.03) != FPFH(0.02)
-    assert Curvature() == Curvature(radius=0.02) != Curvature(0.03)
+    assert Curvature() == Curvature(radius=0.3) != Curvature(0.2)
     assert repr(Surflet()) == "Surflet(scale='relative')"
     assert Surflet() != Surflet("metric")
     one = as_segmented(np.zeros((1, 3)), [[0, 0, 1]], [0])
     with pytest.raises(ValueError, match=r"radius must be a positive number, got -1"):
         FPFH(-1).describe(one)
-    with pytest.raises(ValueError, match=r"radius must be a positive number, got 0"):
+    with pytest.raises(ValueError, match=r"radius must be a positive number of object sizes, got 0"):
         Curvature(0).describe(one)
     with pytest.raises(ValueError, match=r"scale must be one of 'relative', 'metric', got 'large'"):
         Surflet("large").describe(one)

@@ -61,11 +61,11 @@ def random_surface(seed, n, bumpy=0.3):
     return points, normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
-def as_segmented(points, normals, labels, n_segments):
+def as_segmented(points, normals, labels, n_segments, voxel_size=0.005):
     labels = np.asarray(labels, np.int32)
     return SegmentedObject(
         points, normals, labels, labels, np.empty((0, 2), np.int32), n_segments,
-        np.arange(len(labels), dtype=np.int32), 0.005,
+        np.arange(len(labels), dtype=np.int32), voxel_size,
     )  # fmt: skip
 
 
@@ -216,16 +216,17 @@ def test_places(pair, bins):
 
 
 @settings(max_examples=20, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.integers(1, 150))
-def test_segments_hold_the_histograms_of_their_points(seed, n):
+@given(st.integers(0, 2**32 - 1), st.integers(1, 150), st.sampled_from([0.0001, 0.3, 0.8, 1000.0]))
+def test_segments_hold_the_histograms_of_their_points(seed, n, share):
     points, normals = random_surface(seed, n)
     labels = np.random.default_rng(seed).integers(-1, 4, n)
-    masses = Curvature(0.01).describe(as_segmented(points, normals, labels, 4)).segment_histograms
+    masses = Curvature(share).describe(as_segmented(points, normals, labels, 4)).segment_histograms
     np.testing.assert_allclose(masses.sum(axis=1), np.bincount(labels[labels >= 0], minlength=4))
-    # Neighbours count whatever segment they are in; the size is that of what is in segments.
-    curvatures = compute_principal_curvatures(points, normals, 0.01)
+    # Neighbours count whatever segment they are in; the size is that of what is in segments, and its share
+    # is the radius from 2 to 6 voxels.
     inside = points[labels >= 0]
     size = math.sqrt(((inside - inside.mean(axis=0)) ** 2).sum(axis=1).mean()) if len(inside) else 0
+    curvatures = compute_principal_curvatures(points, normals, min(max(share * size, 0.01), 0.03))
     for segment in range(4):
         expected = slow_histogram(curvatures[labels == segment].tolist(), size)
         np.testing.assert_allclose(masses[segment], expected, atol=1e-9)
@@ -237,8 +238,8 @@ def test_a_ball_is_one_pair_of_curvatures():
     normals = np.concatenate([normals, -normals])
     for size in (0.02, 3.0):
         for side in (1, -1):
-            ball = as_segmented(size * normals, side * normals, np.zeros(3000), 1)
-            found = Curvature(size / 3).describe(ball).segment_histograms[0]
+            ball = as_segmented(size * normals, side * normals, np.zeros(3000), 1, size / 12)
+            found = Curvature(1 / 3).describe(ball).segment_histograms[0]
             np.testing.assert_allclose(found, slow_histogram([[side, side]] * 3000, 1), atol=0.05)
 
 
@@ -247,9 +248,10 @@ def test_motion_and_scale_do_not_matter(scale):
     points, normals = random_surface(7, 600)
     labels = np.arange(600) % 3 - 1
     turn = Rotation.random(random_state=8).as_matrix()
-    moved = as_segmented(scale * (points @ turn.T + [0.4, -1, 2]), normals @ turn.T, labels, 2)
-    before = Curvature(0.01).describe(as_segmented(points, normals, labels, 2)).segment_histograms
-    after = Curvature(0.01 * scale).describe(moved).segment_histograms
+    voxel_size = 0.002 * scale
+    moved = as_segmented(scale * (points @ turn.T + [0.4, -1, 2]), normals @ turn.T, labels, 2, voxel_size)
+    before = Curvature().describe(as_segmented(points, normals, labels, 2, 0.002)).segment_histograms
+    after = Curvature().describe(moved).segment_histograms
     np.testing.assert_allclose(after, before, atol=2e-3)
 
 
@@ -274,6 +276,11 @@ def test_bad_input():
             compute_principal_curvatures(points, normals, radius)
     with pytest.raises(ValueError, match="radius must be a positive number, got 0"):
         compute_principal_curvatures(points, 0 * normals, 0)
+    for share in (0, -1, math.nan, math.inf):
+        with pytest.raises(
+            ValueError, match=f"radius must be a positive number of object sizes, got {share}"
+        ):
+            Curvature(share).describe(as_segmented(points, normals, np.zeros(5), 1))
     with pytest.raises(ValueError, match=r"points must have shape \(m, 3\), got \(5, 2\)"):
         compute_principal_curvatures(points[:, :2], normals[:, :2], 0.03)
     with pytest.raises(ValueError, match="points must be finite"):

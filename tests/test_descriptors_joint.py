@@ -1,6 +1,6 @@
 """Descriptors side by side."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import jensenshannon
 
 from shapeconcepts.descriptors import FPFH, Description, Descriptor, Joint, Surflet, get_descriptor
+from shapeconcepts.descriptors.surface import normals_within
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 
@@ -43,6 +44,10 @@ def blob(n_segments: int = 3, seed: int = 0) -> SegmentedObject:
     )
 
 
+def refitted(segmented: SegmentedObject, radius: float = 0.02) -> SegmentedObject:
+    return replace(segmented, normals=normals_within(segmented.points, segmented.normals, radius))
+
+
 def side_by_side(parts: list[np.ndarray]) -> np.ndarray:
     """Histograms with an equal share each; the share of one without mass goes to the others."""
     rows = []
@@ -56,7 +61,7 @@ def side_by_side(parts: list[np.ndarray]) -> np.ndarray:
 def test_histogram_is_that_of_the_parts_side_by_side(n_segments):
     segmented, masks = blob(n_segments), range(1 << n_segments)
     joint = get_descriptor("surflet+fpfh").describe(segmented)
-    parts = [descriptor.describe(segmented).histograms(masks) for descriptor in (Surflet(), FPFH())]
+    parts = [each.describe(refitted(segmented)).histograms(masks) for each in (Surflet(), FPFH())]
     assert joint.blocks == (135, 33) and joint.n_bins == 168
     np.testing.assert_allclose(joint.histograms(masks), side_by_side(parts), rtol=1e-12)
     single_point = parts[0][1 << (n_segments - 1)]
@@ -122,9 +127,11 @@ def test_divergence_is_the_mean_of_the_parts_divergences():
         p, q = (descriptor.describe(one).histograms(masks)[i] for one, i in ((a, 0), (b, 1)))
         return jensenshannon(p, q, base=2) ** 2, 1 - np.sqrt(p * q).sum()
 
+    joint = divergences(get_descriptor("surflet+fpfh"))
+    a, b = refitted(a), refitted(b)
     parts = [divergences(descriptor) for descriptor in (Surflet(), FPFH())]
-    np.testing.assert_allclose(divergences(get_descriptor("surflet+fpfh")), np.mean(parts, axis=0), rtol=1e-9)
-    assert min(parts[0]) > 1e-3 and abs(parts[0][0] - parts[1][0]) > 1e-3
+    np.testing.assert_allclose(joint, np.mean(parts, axis=0), rtol=1e-9)
+    assert min(parts[0]) > 1e-3 and abs(parts[0][0] - parts[1][0]) > 3e-4
 
 
 def test_bad_blocks_are_refused():
@@ -136,8 +143,21 @@ def test_bad_blocks_are_refused():
     )
 
 
+@pytest.mark.parametrize(("voxel_size", "radius"), [(0.001, 0.03), (0.015, 0.03), (0.025, 0.05)])
+def test_normals_are_fitted_over_a_radius_of_two_voxels_at_least(voxel_size, radius):
+    segmented = replace(blob(), voxel_size=voxel_size)
+    found = Joint((Surflet(),), normal_radius=0.03).describe(segmented)
+    expected = Surflet().describe(refitted(segmented, radius))
+    np.testing.assert_array_equal(found.segment_histograms, expected.segment_histograms)
+    given_normals = Surflet().describe(segmented)
+    assert not np.allclose(found.segment_histograms, given_normals.segment_histograms)
+
+
 def test_errors_are_those_of_the_parts():
     with pytest.raises(ValueError, match="scale must be one of"):
         Joint((FPFH(), Surflet("size"))).describe(blob())
+    for radius in (0, -0.02, np.nan, "2 cm"):
+        with pytest.raises(ValueError, match="normal_radius must be a positive number of metres, got"):
+            Joint((FPFH(),), radius).describe(blob())
     with pytest.raises(ValueError, match="descriptors must hold at least one descriptor, got none"):
         Joint(()).describe(blob())

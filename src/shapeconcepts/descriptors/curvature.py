@@ -13,13 +13,17 @@ from shapeconcepts.descriptors.surface import checked_labels, checked_surface
 from shapeconcepts.neighbours import cell_grid
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
+# Least and largest radius. Fewer voxels say little against noise; more take longer than they tell.
+_VOXELS = (2.0, 6.0)
+
 
 @dataclass(frozen=True)
 class Curvature:
     """Descriptor of segments by the two principal curvatures at their points (Koenderink, van Doorn 1992).
 
-    A curvature is multiplied by the object's size, the root mean square distance of the points in segments
-    from their centroid, so that a small and a large ball are alike. The histogram has 11 places for each of
+    The object's size, the root mean square distance of the points in segments from their centroid, is the
+    measure of both the neighbourhood and the curvature, so that a small and a large ball are alike. The
+    histogram has 11 places for each of
     the two, from -3 to 3 on the scale of asinh, finer around 0; beyond this it counts as the last. With the
     larger of both first, that makes 66 bins. A point counts in the four bins around it, the more, the closer
     they are: noise moves the histogram a little, never by a whole bin.
@@ -27,10 +31,10 @@ class Curvature:
     Parameters
     ----------
     radius : float
-        Radius of a point's neighbourhood, metres.
+        Radius of a point's neighbourhood, in parts of the object's size; 2 to 6 voxels are used.
     """
 
-    radius: float = 0.02
+    radius: float = 0.3
 
     def describe(self, segmented: SegmentedObject) -> Description:
         """Histograms of each segment's points; no histograms of pairs.
@@ -43,10 +47,14 @@ class Curvature:
         """
         points, normals = checked_surface(segmented.points, segmented.normals)
         labels = checked_labels(segmented)
-        curvatures = compute_principal_curvatures(points, normals, self.radius)
+        if not (np.isfinite(self.radius) and self.radius > 0):
+            raise ValueError(f"radius must be a positive number of object sizes, got {self.radius!r}")
         counted = labels >= 0
         offsets = points[counted] - points[counted].mean(axis=0) if counted.any() else np.zeros((1, 3))
         size = np.sqrt(np.einsum("ij,ij->", offsets, offsets) / len(offsets))
+        fewest, most = (number * segmented.voxel_size for number in _VOXELS)
+        radius = min(max(self.radius * size, fewest), most)
+        curvatures = compute_principal_curvatures(points, normals, radius)
         return Description(curvature_histograms(size * curvatures, labels, segmented.n_segments))
 
 
@@ -83,7 +91,7 @@ def compute_principal_curvatures(
     """
     points, normals = checked_surface(points, normals)
     oriented = np.flatnonzero(normals.any(axis=1))
-    grid = cell_grid(points[oriented], radius, reach=2)
+    grid = cell_grid(points[oriented], radius)
     order = oriented[grid.order]
     surface = np.concatenate([grid.coordinates, normals[order].T])
     curvatures = np.zeros((len(points), 2))

@@ -24,7 +24,7 @@ _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 
 
 # Sums in any order compile to vector instructions; it is the same order whenever this runs.
-@njit(cache=True, error_model="numpy", fastmath={"reassoc"})
+@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
 def principal_curvatures(
     surface: NDArray[np.float64],
     cells: NDArray[np.int64],

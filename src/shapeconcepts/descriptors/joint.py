@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from shapeconcepts.descriptors.protocol import Description, Descriptor
+from shapeconcepts.descriptors.surface import normals_within
+from shapeconcepts.parameter_checks import check_length
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
+
+# Fewer voxels across are too few for a plane.
+_FEWEST_VOXELS = 2.0
 
 
 @dataclass(frozen=True)
@@ -16,13 +21,20 @@ class Joint:
 
     The divergence of two such histograms is the mean of the divergences under each descriptor.
 
+    All of them see normals that are fitted anew, over the same radius in every scan: those of the segmented
+    object come from a number of voxels, which are larger where points are sparse, and the wider a normal
+    looks, the rounder is an edge.
+
     Parameters
     ----------
     descriptors : tuple of Descriptor
         At least one.
+    normal_radius : float
+        Radius of the planes, metres; at least two voxels are used.
     """
 
     descriptors: tuple[Descriptor, ...]
+    normal_radius: float = 0.02
 
     def describe(self, segmented: SegmentedObject) -> Description:
         """Histograms of all descriptors, in their order.
@@ -30,10 +42,13 @@ class Joint:
         Raises
         ------
         ValueError
-            If there are no descriptors, and as they do.
+            If there are no descriptors, `normal_radius` is not a positive number, and as they do.
         """
         if not self.descriptors:
             raise ValueError("descriptors must hold at least one descriptor, got none")
+        radius = max(check_length("normal_radius", self.normal_radius), _FEWEST_VOXELS * segmented.voxel_size)
+        normals = normals_within(segmented.points, segmented.normals, radius)
+        segmented = replace(segmented, normals=normals)
         parts = [descriptor.describe(segmented) for descriptor in self.descriptors]
         widths = [part.n_bins for part in parts]
         ends = np.cumsum(widths).tolist()

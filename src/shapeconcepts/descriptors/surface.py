@@ -5,7 +5,54 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from shapeconcepts.descriptors.surface_kernels import (
+    NOT_FINITE,
+    NOT_UNIT,
+    first_fault,
+    neighbourhood_covariances,
+)
+from shapeconcepts.neighbours import cell_grid
+from shapeconcepts.preparation.normal_kernels import smallest_eigenvectors
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
+
+# Fewer points, with the point itself, are no plane to trust.
+_FEWEST_POINTS = 4
+
+
+def normals_within(
+    points: NDArray[np.float64], normals: NDArray[np.float64], radius: float
+) -> NDArray[np.float64]:
+    """Normals of the least-squares planes through all points within a radius, on the side of given normals.
+
+    Parameters
+    ----------
+    points : (m, 3) float64
+        Finite coordinates.
+    normals : (m, 3) float64
+        Unit normals that tell the side.
+    radius : float
+        Inclusive, in the unit of the points.
+
+    Returns
+    -------
+    (m, 3) float64
+        The given normal where less than four points are within the radius, where it is zero, and where it is
+        perpendicular to the new one.
+
+    Raises
+    ------
+    ValueError
+        If the shapes do not fit, values are not finite, normals are neither unit nor zero, or `radius` is not
+        a positive number.
+    """
+    points, normals = checked_surface(points, normals)
+    grid = cell_grid(points, radius)
+    covariances, counts = neighbourhood_covariances(*grid[1:], float(radius))
+    fitted = np.empty_like(normals)
+    fitted[grid.order] = smallest_eigenvectors(covariances)
+    side = np.sign(np.einsum("ij,ij->i", fitted, normals))
+    side[grid.order[counts < _FEWEST_POINTS]] = 0.0
+    return np.where(side[:, None] == 0.0, normals, side[:, None] * fitted)
 
 
 def checked_surface(
@@ -25,15 +72,11 @@ def checked_surface(
         raise ValueError(f"points must have shape (m, 3), got {points.shape}")
     if normals.shape != points.shape:
         raise ValueError(f"normals must have the shape of points {points.shape}, got {normals.shape}")
-    if not np.isfinite(points).all():
-        raise ValueError("points must be finite, got NaN or infinity")
-    squared_lengths = np.einsum("ij,ij->i", normals, normals)
-    odd = ~((np.abs(squared_lengths - 1.0) < 1e-3) | (squared_lengths == 0.0))
-    if odd.any():
-        first = int(np.argmax(odd))
-        raise ValueError(
-            f"normals must be unit vectors (or zero), got {normals[first].tolist()} at row {first}"
-        )
+    fault, row = first_fault(points, normals)
+    if fault == NOT_FINITE:
+        raise ValueError(f"points must be finite, got {points[row].tolist()} at row {row}")
+    if fault == NOT_UNIT:
+        raise ValueError(f"normals must be unit vectors (or zero), got {normals[row].tolist()} at row {row}")
     return points, normals
 
 
