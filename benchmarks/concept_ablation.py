@@ -38,7 +38,6 @@ VARIANTS: dict[str, Model] = {
     **{f"{n} neighbours": partial(ShapeConceptModel, n_neighbours=n) for n in (10, 20, 40, 80)},
     **{f"{n} level{'s' * (n > 1)}": partial(ShapeConceptModel, n_levels=n) for n in (1, 4, 8)},
     "own prototypes count": partial(ShapeConceptModel, leave_own_out=False),
-    "no diffusion": partial(ShapeConceptModel, diffusion=False),
     "heat geodesic": partial(ShapeConceptModel, heat="geodesic"),
     "stop annexations": partial(ShapeConceptModel, stop="annexations"),
     "heat geodesic, stop annexations": partial(ShapeConceptModel, heat="geodesic", stop="annexations"),

@@ -25,11 +25,10 @@ LAZY = {
 }
 
 
-# Columns, heat, stop and responses of the paper, no diffusion, and a bandwidth that suits the objects below.
+# Columns, heat, stop and responses of the paper, with a bandwidth that suits the objects below.
 LIKE_THE_PAPER: dict[str, Any] = {
     "columns": "motifs",
     "bandwidth": 0.1,
-    "diffusion": False,
     "heat": "geodesic",
     "stop": "annexations",
     "response_distance": "mahalanobis",

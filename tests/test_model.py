@@ -11,7 +11,7 @@ from sklearn.model_selection import cross_val_score
 from sklearn.pipeline import make_pipeline
 from sklearn.svm import SVC
 
-from shapeconcepts import Diffusion, Scan, ScanError, ScanWarning, ShapeConceptModel, datasets, describe
+from shapeconcepts import Scan, ScanError, ScanWarning, ShapeConceptModel, datasets, describe
 from shapeconcepts.model import PRESETS
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*different segment descriptions give")
@@ -87,21 +87,12 @@ def test_no_concept_of_the_paper_holds_more_than_half(paper, scans):
 
 def test_responses_are_equation_3_of_the_stimuli(model, new):
     stimuli = model.stimuli(new)
-    undiffused = model.ensemble_.transform([describe(one) for one in new])
-    assert_same_rows(stimuli, model.diffusion_.transform(undiffused))
-    assert_same_rows(model.stimuli_, Diffusion().fit_transform(model.ensemble_.stimuli_))
-    assert (stimuli != undiffused).nnz > 0
+    assert_same_rows(stimuli, model.ensemble_.transform([describe(one) for one in new]))
+    assert_same_rows(model.stimuli_, model.ensemble_.stimuli_)
     responses = model.transform(new)
     assert responses.shape == (len(new), len(model.concepts_))
     np.testing.assert_array_equal(responses, model.response_.transform(stimuli))
     np.testing.assert_array_equal(model.predict(new), model.response_.predict(stimuli))
-
-
-def test_without_diffusion(segmented, new):
-    model = ShapeConceptModel(diffusion=False).fit(segmented)
-    assert model.diffusion_ is None
-    assert_same_rows(model.stimuli_, model.ensemble_.stimuli_)
-    assert_same_rows(model.stimuli(new), model.ensemble_.transform([describe(one) for one in new]))
 
 
 def test_stimuli_of_a_scan_do_not_depend_on_the_others(model, new):

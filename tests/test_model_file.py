@@ -44,10 +44,6 @@ def test_the_example_is_worth_saving(model):
     assert len(model.concepts_) >= 2
     assert list(model.skipped_) == [2]
     assert model.filtration_.concept_time_ is not None and model.stimuli_.nnz > 100
-    if model.diffusion:
-        assert model.diffusion_.rows_.shape[0] > 20 and model.diffusion_.n_neighbours_ > 1
-    else:
-        assert model.diffusion_ is None
     assert (model.response_.whitening_.shape[1] >= 2) == (model.response_distance == "mahalanobis")
     assert (model.predict(described_objects(4, seed=1)) >= 0).any()
 
@@ -84,21 +80,20 @@ def test_what_belongs_together_is_one(model, path):
     assert loaded.labels_ is loaded.filtration_.labels_
 
 
-def test_repeated_scans_count_among_the_neighbours(path):
-    """The file holds their row once; how many neighbours there are follows from the number of scans."""
+def test_repeated_scans(path):
+    """They are one vertex of the space, which counts them all."""
     objects = [one for one in described_objects(10) for _ in range(4)]
     model = ShapeConceptModel(n_levels=3, leave_own_out=False).fit(objects)
-    assert model.diffusion_.rows_.shape[0] <= 40
-    loaded = saved_and_loaded(model, path)
-    assert loaded.diffusion_.n_neighbours_ == model.diffusion_.n_neighbours_ == 6
-    assert differences(model, loaded) == []
+    multiplicities = model.filtration_.space_.multiplicities_
+    assert min(multiplicities) >= 4 and sum(multiplicities) == 160
+    assert differences(model, saved_and_loaded(model, path)) == []
 
 
-def test_a_model_without_stimuli_has_nothing_to_diffuse(path):
+def test_a_model_without_stimuli(path):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         model = ShapeConceptModel(n_levels=1).fit(described_objects(1)[:1])
-    assert model.diffusion_.rows_.shape[0] == model.stimuli_.nnz == 0
+    assert model.stimuli_.nnz == 0
     loaded = saved_and_loaded(model, path)
     assert differences(model, loaded) == []
     objects = described_objects(2)
@@ -149,7 +144,6 @@ def test_parameters_survive(path):
         "word_metric": "euclidean",
         "columns": "motifs",
         "n_neighbours": np.int32(7),
-        "diffusion": np.False_,
         "heat": "geodesic",
         "stop": "annexations",
         "response_distance": "mahalanobis",
@@ -241,8 +235,7 @@ def test_an_unfitted_model_cannot_be_saved(path):
         (lambda model: model.scan_labels_.__setitem__(3, 7), r"scan_labels\[3\]"),
         (lambda model: model.scan_names_.pop(), "scan_names must be a list of 40"),
         (lambda model: model.ensemble_.partial_fit(described_objects(1)), "response.mean must have shape"),
-        (lambda model: model.diffusion_.set_params(n_neighbours=9), "n_neighbours_ 3, its parameter means 9"),
-        (lambda model: model.diffusion_.set_params(n_neighbours=0), "n_neighbours must be null or a whole"),
+        (lambda model: model.ensemble_.set_params(n_neighbours=0), "n_neighbours must be null or a whole"),
         (lambda model: model.set_params(bandwidth="wide"), "bandwidth must be a positive number"),
         (lambda model: model.set_params(voxel_size=np.nan), "cannot be saved"),
         (lambda model: setattr(model.concepts_[0], "name", object()), "cannot be saved"),

@@ -41,12 +41,7 @@ def put(name, position, value):
 
 
 def longer(name):
-    def change(tensors, description):
-        values = tensors[name]
-        more = values[-1:] if len(values) else np.ones((1, *values.shape[1:]), values.dtype)
-        tensors[name] = np.concatenate([values, more])
-
-    return change
+    return lambda tensors, _: tensors.update({name: np.concatenate([tensors[name], tensors[name][-1:]])})
 
 
 @pytest.mark.parametrize("name", sorted(LAYOUT))
@@ -58,8 +53,7 @@ def test_shapes_and_types(sound, path, name):
     forge(sound, path, lambda tensors, _: tensors.update({name: tensors[name][None, None]}))
     assert "impossible shape" in refusal(path)
     refusal(forge(sound, path, longer(name)))
-    is_empty = name.startswith("diffusion.") and not load_description(sound)["parameters"]["diffusion"]
-    if name != "motifs.edges" and not is_empty:
+    if name != "motifs.edges":
         refusal(forge(sound, path, lambda tensors, _: tensors.update({name: tensors[name][:0]})))
 
 
@@ -70,8 +64,6 @@ def test_extreme_values(sound, path, name):
         and load_description(sound)["response_parameters"]["distance"] != "mahalanobis"
     ):
         pytest.skip("responses by divergence have no components")
-    if name.startswith("diffusion.") and not load_description(sound)["parameters"]["diffusion"]:
-        pytest.skip("without diffusion there are no rows")
     kind = LAYOUT[name][0]
     if kind.startswith("int"):
         values = [np.iinfo(kind).min, np.iinfo(kind).max, -2]
@@ -83,8 +75,17 @@ def test_extreme_values(sound, path, name):
             assert f"tensor {name} must" in refusal(forge(sound, path, put(name, position, value)))
 
 
-def swap_first_rows_of_stimuli(tensors, description):
+def swap_first_columns_of_stimuli(tensors, description):
     tensors["stimuli.columns"][[0, 1]] = tensors["stimuli.columns"][[1, 0]]
+
+
+def repeat_first_column_of_stimuli(tensors, description):
+    tensors["stimuli.columns"][1] = tensors["stimuli.columns"][0]
+
+
+def lengths_that_overflow(tensors, description):
+    # In sum, modulo 2 ** 64, they are right.
+    tensors["stimuli.row_lengths"][:4] += 2**62
 
 
 def cycle(tensors, description):
@@ -138,11 +139,21 @@ def skip_another(tensors, description):
             lambda t, d: t["prototypes.motifs"].__setitem__(0, t["prototypes.motifs"][0, ::-1]),
             "each dictionary",
         ),
+        (put("stimuli.row_lengths", 0, -1), "stimuli.row_lengths must hold numbers from 0 to"),
+        (lengths_that_overflow, "stimuli.row_lengths must hold numbers from 0 to"),
         (put("stimuli.row_lengths", 2, 1), "stimuli.row_lengths must sum to"),
         (lambda t, d: d["skipped"].clear(), "prototypes.objects must rise from 0 to 39"),
         (skip_another, "prototypes.objects must hold numbers from 0 to 37"),
-        (swap_first_rows_of_stimuli, "stimuli.columns must hold rising columns"),
+        (put("stimuli.columns", 0, -1), "stimuli.columns must hold numbers from 0 to"),
+        (
+            lambda t, d: t["stimuli.columns"].__setitem__(-1, len(t["stimuli.sources"])),
+            "stimuli.columns must hold numbers from 0 to",
+        ),
+        (swap_first_columns_of_stimuli, "stimuli.columns must hold rising columns in each row"),
+        (repeat_first_column_of_stimuli, "stimuli.columns must hold rising columns in each row"),
         (put("stimuli.values", 0, 0.0), "stimuli.values must hold positive numbers"),
+        (put("stimuli.values", 0, 1.01), "stimuli.values must hold numbers from 0 to 1"),
+        (put("stimuli.values", 0, np.nan), "stimuli.values must hold numbers from 0 to 1"),
         (put("space.vertices", 2, 0), "space.vertices must hold -1 for empty rows"),
         (put("space.vertices", 0, -1), "space.vertices must hold -1 for empty rows"),
         (cycle, "space.edges must be a tree"),
@@ -158,112 +169,6 @@ def skip_another(tensors, description):
 )
 def test_content_that_does_not_fit(sound, path, change, message):
     assert message in refusal(forge(sound, path, change))
-
-
-def swap_first_columns_of_diffusion(tensors, description):
-    tensors["diffusion.columns"][[0, 1]] = tensors["diffusion.columns"][[1, 0]]
-
-
-def repeat_first_column_of_diffusion(tensors, description):
-    tensors["diffusion.columns"][1] = tensors["diffusion.columns"][0]
-
-
-def an_empty_row(tensors, description):
-    lengths = tensors["diffusion.row_lengths"]
-    lengths[:2] = 0, lengths[:2].sum()
-
-
-def lengths_that_overflow(tensors, description):
-    # In sum, modulo 2 ** 64, they are right.
-    tensors["diffusion.row_lengths"][:4] += 2**62
-
-
-def no_rows(tensors, description):
-    for name in ("row_lengths", "columns", "values"):
-        tensors[f"diffusion.{name}"] = tensors[f"diffusion.{name}"][:0]
-
-
-def one_row_for_each_scan(tensors, description):
-    n = len(tensors["stimuli.row_lengths"])
-    tensors["diffusion.row_lengths"] = np.ones(n, np.int64)
-    tensors["diffusion.columns"] = np.zeros(n, np.int32)
-    tensors["diffusion.values"] = np.ones(n)
-
-
-def scaled_first_row(factor):
-    def change(tensors, description):
-        tensors["diffusion.values"][: tensors["diffusion.row_lengths"][0]] *= factor
-
-    return change
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (put("diffusion.row_lengths", 0, 0), "diffusion.row_lengths must hold numbers from 1 to"),
-        (put("diffusion.row_lengths", 0, -1), "diffusion.row_lengths must hold numbers from 1 to"),
-        (an_empty_row, "diffusion.row_lengths must hold numbers from 1 to"),
-        (lengths_that_overflow, "diffusion.row_lengths must hold numbers from 1 to"),
-        (
-            lambda t, d: t["diffusion.row_lengths"].__setitem__(0, t["diffusion.row_lengths"][0] + 1),
-            "diffusion.row_lengths must sum to the",
-        ),
-        (longer("diffusion.row_lengths"), "diffusion.row_lengths must"),
-        (no_rows, "diffusion.row_lengths must hold 1 to 39 rows"),
-        (one_row_for_each_scan, "diffusion.row_lengths must hold 1 to 39 rows"),
-        (lambda t, d: d.update(diffusion_parameters=None), "diffusion.row_lengths must hold 0 to 0 rows"),
-        (put("diffusion.columns", 0, -1), "diffusion.columns must hold numbers from 0 to"),
-        (
-            lambda t, d: t["diffusion.columns"].__setitem__(-1, len(t["stimuli.sources"])),
-            "diffusion.columns must hold numbers from 0 to",
-        ),
-        (swap_first_columns_of_diffusion, "diffusion.columns must hold rising columns in each row"),
-        (repeat_first_column_of_diffusion, "diffusion.columns must hold rising columns in each row"),
-        (put("diffusion.values", 0, 0.0), "diffusion.values must hold positive numbers"),
-        (put("diffusion.values", 0, 1.01), "diffusion.values must hold numbers from 0 to 1"),
-        (put("diffusion.values", 0, np.nan), "diffusion.values must hold numbers from 0 to 1"),
-        (put("diffusion.values", slice(None), 1e-320), "diffusion.values must hold rows of sum 1"),
-        (scaled_first_row(0.999), "diffusion.values must hold rows of sum 1, got 0.99"),
-    ],
-)
-def test_a_diffusion_that_does_not_fit(default, path, change, message):
-    assert message in refusal(forge(default, path, change))
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (one_row_for_each_scan, "diffusion.row_lengths must hold 0 to 0 rows"),
-        (longer("diffusion.row_lengths"), "diffusion.row_lengths must hold 0 to 0 rows"),
-        (longer("diffusion.columns"), "diffusion.values must have shape (1)"),
-        (
-            lambda t, d: (longer("diffusion.columns")(t, d), longer("diffusion.values")(t, d)),
-            "diffusion.row_lengths must sum to the 1 entries, got 0",
-        ),
-        (
-            lambda t, d: d.update(diffusion_parameters={"n_neighbours": None}),
-            "diffusion.row_lengths must hold 1 to 39 rows",
-        ),
-    ],
-)
-def test_a_diffusion_where_there_is_none(like_the_paper, path, change, message):
-    assert message in refusal(forge(like_the_paper, path, change))
-
-
-@pytest.mark.parametrize("value", [5, "x", True, [], [None], {}, {"n_neighbours": None, "more": 1}])
-def test_wrong_parameters_of_the_diffusion(default, path, value):
-    message = refusal(forge(default, path, lambda _, d: d.update(diffusion_parameters=value)))
-    assert "the diffusion's parameters" in message
-
-
-@pytest.mark.parametrize("value", [None, 1, 7, 2**31 - 1])
-def test_any_number_of_neighbours_is_harmless(default, path, value):
-    forge(default, path, lambda _, d: d["diffusion_parameters"].update(n_neighbours=value))
-    loaded = load_model(path)
-    assert loaded.diffusion_.n_neighbours_ == (3 if value is None else value)
-    assert loaded.transform(described_objects(2, seed=3)).shape == (8, len(loaded.concepts_))
-    loaded.save(path)
-    assert differences(loaded, load_model(path)) == []
 
 
 @pytest.mark.parametrize(
@@ -316,8 +221,7 @@ def answers(path: Path) -> list:
 @pytest.mark.parametrize(
     ("name", "value"),
     [("columns", "motifs"), ("columns", "prototypes"), ("response_distance", "mahalanobis"),
-     ("response_distance", "divergence"), ("heat", "geodesic"), ("heat", "separation"), ("stop", "lifetime"),
-     ("diffusion", True), ("diffusion", False)],
+     ("response_distance", "divergence"), ("heat", "geodesic"), ("heat", "separation"), ("stop", "lifetime")],
 )  # fmt: skip
 def test_parameters_of_the_model_are_for_its_next_fit(sound, path, name, value):
     """They may be set after learning, so that they need not be those of its parts, which give the answers."""
@@ -386,14 +290,30 @@ def test_a_missing_field(sound, path):
 @pytest.mark.parametrize("value", [None, "x", [], {}, -1, 0, 1e300, 2**31, 10**400, True, [1]])
 def test_wrong_parameters(sound, path, value):
     for group in [name for name in load_description(sound) if name.endswith("parameters")]:
-        for name in load_description(sound)[group] or {}:
-            is_switch = name in ("leave_own_out", "diffusion")
-            if (is_switch and value in (0, True)) or (name == "n_neighbours" and value is None):
+        for name in load_description(sound)[group]:
+            if (name == "leave_own_out" and value in (0, True)) or (name == "n_neighbours" and value is None):
                 continue
             forge(sound, path, lambda _, d, group=group, name=name: d[group].update({name: value}))
             if value is True:
                 assert f"parameter {name} must be" in refusal(path)
             assert name in refusal(path)
+
+
+@pytest.mark.parametrize("part", ["dictionary", "ensemble", "filtration", "response"])
+def test_parts_with_other_parameters(sound, path, part):
+    group = f"{part}_parameters"
+    for value in (None, 5, "x", True, [], [None], {}, {**load_description(sound)[group], "more": 1}):
+        forge(sound, path, lambda _, description, value=value: description.update({group: value}))
+        assert f"the {part}'s parameters" in refusal(path)
+
+
+@pytest.mark.parametrize("value", [None, 1, 7, 2**31 - 1])
+def test_any_number_of_neighbours_is_harmless(sound, path, value):
+    forge(sound, path, lambda _, d: d["ensemble_parameters"].update(n_neighbours=value))
+    loaded = load_model(path)
+    assert loaded.transform(described_objects(2, seed=3)).shape == (8, len(loaded.concepts_))
+    loaded.save(path)
+    assert differences(loaded, load_model(path)) == []
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 from sklearn.base import clone
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
-from shapeconcepts import ConceptResponse, Diffusion, Filtration, TopologicalSpace
+from shapeconcepts import ConceptResponse, Filtration, TopologicalSpace
 from topology_reference import random_rows
 
 NO_COLUMNS = "a matrix without columns is what objects have that share no motif: they have no place"
@@ -15,7 +15,6 @@ FAILURES = {
         "check_estimators_empty_data_messages": NO_COLUMNS,
         "check_clustering": "gives negative numbers, in spite of the tag positive_only",
     },
-    Diffusion: {"check_estimators_empty_data_messages": NO_COLUMNS},
     ConceptResponse: {
         "check_estimators_empty_data_messages": NO_COLUMNS,
         "check_dtype_object": "asks for a message about unknown labels, where concepts are integers",
@@ -29,8 +28,6 @@ FAILURES = {
         TopologicalSpace(),
         Filtration(),
         Filtration(heat="geodesic", stop="annexations"),
-        Diffusion(),
-        Diffusion(3),
         ConceptResponse(),
         ConceptResponse("mahalanobis"),
     ],

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from shapeconcepts.model_file import ModelError, load_model
     from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary, decompose
     from shapeconcepts.segmentation import SegmentedObject, segment
-    from shapeconcepts.topology import Concept, Diffusion, Filtration, TopologicalSpace
+    from shapeconcepts.topology import Concept, Filtration, TopologicalSpace
 
 __version__ = "0.1.0"
 
@@ -34,7 +34,6 @@ __all__ = [
     "ConceptResponse",
     "Curvature",
     "DescribedObject",
-    "Diffusion",
     "Filtration",
     "ModelError",
     "MotifHierarchyEnsemble",
@@ -66,7 +65,6 @@ _HOME_OF = {
     "ConceptResponse": ".concepts",
     "Curvature": ".descriptors",
     "DescribedObject": ".descriptors",
-    "Diffusion": ".topology",
     "Filtration": ".topology",
     "ModelError": ".model_file",
     "MotifHierarchyEnsemble": ".motifs",

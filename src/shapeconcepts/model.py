@@ -21,7 +21,7 @@ from shapeconcepts.motifs import Explanation, MotifHierarchyEnsemble, SegmentDic
 from shapeconcepts.parameter_checks import check_choice
 from shapeconcepts.scan import ScanError
 from shapeconcepts.segmentation import SegmentedObject, segment
-from shapeconcepts.topology import Concept, Diffusion, Filtration
+from shapeconcepts.topology import Concept, Filtration
 
 PRESETS = ("default", "paper")
 
@@ -30,8 +30,8 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
     """Learns shape concepts from scans of objects, without labels.
 
     A scan is cut into surface segments; its constellations of segments are turned into stimuli of the motifs
-    that the hierarchies learned; stimuli diffuse among alike scans; those of all scans span a topological
-    space, whose filtration yields the concepts; and a concept's response says how much a scan resembles it.
+    that the hierarchies learned; the stimuli of all scans span a topological space, whose filtration yields
+    the concepts; and a concept's response says how much a scan resembles it.
 
     Parameters
     ----------
@@ -43,8 +43,6 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         See `SegmentDictionary`.
     columns, n_neighbours, bandwidth, leave_own_out, min_support
         See `MotifHierarchyEnsemble`.
-    diffusion : bool
-        Whether stimuli are averaged with those of the most alike scans, see `Diffusion`.
     heat, stop
         See `Filtration`.
     response_distance : {"divergence", "mahalanobis"}
@@ -65,8 +63,7 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
     concepts_ : list of Concept
         Largest first. Their `name` can be set, and is saved with the model.
     stimuli_ : (n, n_motifs) csr_matrix of float64
-        Stimuli of the training scans, diffused; the row of a skipped scan is empty.
-    diffusion_ : Diffusion or None
+        Stimuli of the training scans; the row of a skipped scan is empty.
     filtration_ : Filtration
     response_ : ConceptResponse
     ensemble_ : MotifHierarchyEnsemble
@@ -88,7 +85,6 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         bandwidth: float = 0.1,
         leave_own_out: bool = True,
         min_support: int = 2,
-        diffusion: bool = True,
         heat: str = "separation",
         stop: str = "lifetime",
         response_distance: str = "divergence",
@@ -107,7 +103,6 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         self.bandwidth = bandwidth
         self.leave_own_out = leave_own_out
         self.min_support = min_support
-        self.diffusion = diffusion
         self.heat = heat
         self.stop = stop
         self.response_distance = response_distance
@@ -125,8 +120,8 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         Parameters
         ----------
         name : {"default", "paper"}
-            "paper" takes the paper at its word, see `MotifHierarchyEnsemble.preset`: without diffusion, with
-            "geodesic" heat, concepts at the time of the most annexations, and Mahalanobis distances.
+            "paper" takes the paper at its word, see `MotifHierarchyEnsemble.preset`: with "geodesic" heat,
+            concepts at the time of the most annexations, and Mahalanobis distances.
         **parameters
             Parameters that differ from the preset.
 
@@ -149,7 +144,6 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
             "bandwidth": ensemble.bandwidth,
             "leave_own_out": ensemble.leave_own_out,
             "min_support": ensemble.min_support,
-            "diffusion": False,
             "heat": "geodesic",
             "stop": "annexations",
             "response_distance": "mahalanobis",
@@ -202,9 +196,7 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         self.scan_names_ = [str(getattr(scan, "name", "") or "") for scan in scans]
         self.scan_labels_ = [getattr(scan, "label", None) for scan in scans]
         self.ensemble_ = ensemble.fit([one for one in described if one])
-        stimuli = self.ensemble_.stimuli_
-        self.diffusion_ = Diffusion().fit(stimuli) if self.diffusion else None
-        self.stimuli_ = _spread(self._diffused(stimuli), described)
+        self.stimuli_ = _spread(self.ensemble_.stimuli_, described)
         self.filtration_ = filtration.fit(self.stimuli_)
         self.concepts_: list[Concept] = self.filtration_.concepts_
         self.labels_: NDArray[np.int32] = self.filtration_.labels_
@@ -212,7 +204,7 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         return self
 
     def stimuli(self, X: Iterable[object]) -> csr_matrix:
-        """Stimuli of scans, diffused as in training: what the responses are computed from.
+        """Stimuli of scans: what the responses are computed from.
 
         Parameters, errors and warnings are those of `transform`.
 
@@ -223,8 +215,7 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         """
         check_is_fitted(self, "response_")
         described, _ = self._describe(X)
-        stimuli = self.ensemble_.transform([one for one in described if one])
-        return _spread(self._diffused(stimuli), described)
+        return _spread(self.ensemble_.transform([one for one in described if one]), described)
 
     def transform(self, X: Iterable[object]) -> NDArray[np.float64]:
         """Responses of the concepts to scans (paper: equation 3); smaller is more alike.
@@ -292,9 +283,6 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         from shapeconcepts.model_file import save_model
 
         save_model(self, path)
-
-    def _diffused(self, stimuli: csr_matrix) -> csr_matrix:
-        return self.diffusion_.transform(stimuli) if self.diffusion_ else stimuli
 
     def _describe(self, X: Iterable[object]) -> tuple[list[DescribedObject | None], dict[int, str]]:
         """Segment and describe scans; None, with the reason, where that is not possible."""

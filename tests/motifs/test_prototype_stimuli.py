@@ -194,6 +194,14 @@ def test_row_sums_to_the_share_that_reminds_of_anything(model, train, new):
         assert model.transform([one]).sum() == pytest.approx(share, abs=1e-9)
 
 
+def test_all_goes_to_the_only_prototype_that_resembles():
+    """Exactly all: no rounding makes an entry more than 1."""
+    model = fitted([SlowObject([segment], {}, []) for segment in ([8.0, 1.0, 1.0], [1.0, 1.0, 8.0])])
+    new = [SlowObject([[8.0, 1.0 + more, 1.0]], {}, []) for more in np.linspace(0.1, 2, 50)]
+    rows = model.transform([described(one) for one in new])
+    np.testing.assert_array_equal(rows.toarray(), [[1, 0]] * 50)
+
+
 def test_row_is_the_same_alone_and_in_any_batch(model, train, new):
     rows = model.transform(new)
     assert rows.shape == (len(new), len(model.columns_)) and 0 < rows.nnz < np.prod(rows.shape)

@@ -16,8 +16,6 @@ from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
 
 # What float32 loses in the sum of a histogram.
 _SUM_TOLERANCE = 1e-4
-# What float64 loses in the sum of a row of shares.
-_SHARE_TOLERANCE = 1e-9
 # Far above any scale of a component, far below what overflows when squared.
 _LARGEST_WEIGHT = 1e30
 
@@ -67,7 +65,7 @@ def check_description(description: dict[str, Any], n_scans: int, n_concepts: int
     )
 
 
-def check_content(tensors: Tensors, skipped: list[int], columns_are: str, diffuses: bool) -> None:
+def check_content(tensors: Tensors, skipped: list[int], columns_are: str) -> None:
     """Require values in range, indices that lead somewhere, and a tree that is one.
 
     Parameters
@@ -78,8 +76,6 @@ def check_content(tensors: Tensors, skipped: list[int], columns_are: str, diffus
         Rows of stimuli that must be empty.
     columns_are : {"prototypes", "motifs"}
         What the columns of the stimuli stand for.
-    diffuses : bool
-        Whether there is a diffusion.
 
     Raises
     ------
@@ -89,7 +85,6 @@ def check_content(tensors: Tensors, skipped: list[int], columns_are: str, diffus
     _check_motifs(tensors)
     _check_prototypes(tensors, len(tensors["concepts.labels"]) - len(skipped))
     _check_stimuli(tensors, skipped, columns_are)
-    _check_diffusion(tensors, diffuses)
     _check_space(tensors)
     _check_concepts(tensors)
     _check_response(tensors)
@@ -167,6 +162,7 @@ def _check_prototypes(tensors: Tensors, n_objects: int) -> None:
 
 def _check_stimuli(tensors: Tensors, skipped: list[int], columns_are: str) -> None:
     sources, lengths = tensors["stimuli.sources"], tensors["stimuli.row_lengths"]
+    columns, values = tensors["stimuli.columns"], tensors["stimuli.values"]
     if columns_are == "prototypes":
         n_prototypes = len(tensors["prototypes.objects"])
         require(
@@ -176,38 +172,18 @@ def _check_stimuli(tensors: Tensors, skipped: list[int], columns_are: str) -> No
     else:
         _check_range(tensors, "stimuli.sources", 0, len(tensors["motifs.words"]) - 1)
     require(len(np.unique(sources)) == len(sources), "tensor stimuli.sources must hold every column once")
-    _check_rows(tensors, "stimuli", shortest=0)
-    require(not lengths[skipped].any(), "tensor stimuli.row_lengths must be 0 for scans that were skipped")
-
-
-def _check_diffusion(tensors: Tensors, diffuses: bool) -> None:
-    lengths, values = tensors["diffusion.row_lengths"], tensors["diffusion.values"]
-    n_placed = int((tensors["stimuli.row_lengths"] > 0).sum()) if diffuses else 0
-    require(
-        min(n_placed, 1) <= len(lengths) <= n_placed,
-        f"tensor diffusion.row_lengths must hold {min(n_placed, 1)} to {n_placed} rows, as there are "
-        f"{n_placed} scans whose stimuli diffuse, got {len(lengths)}",
-    )
-    _check_rows(tensors, "diffusion", shortest=1)
-    sums = np.bincount(np.repeat(np.arange(len(lengths)), lengths), values, len(lengths))
-    _require_all("diffusion.values", np.abs(sums - 1) < _SHARE_TOLERANCE, sums, "rows of sum 1")
-
-
-def _check_rows(tensors: Tensors, part: str, shortest: int) -> None:
-    """Require the rows of a sparse matrix over the columns of the stimuli, with shares as values."""
-    lengths = tensors[f"{part}.row_lengths"]
-    columns, values = tensors[f"{part}.columns"], tensors[f"{part}.values"]
-    _check_range(tensors, f"{part}.row_lengths", shortest, len(values))
+    _check_range(tensors, "stimuli.row_lengths", 0, len(values))
     require(
         int(lengths.sum()) == len(values),
-        f"tensor {part}.row_lengths must sum to the {len(values)} entries, got {int(lengths.sum())}",
+        f"tensor stimuli.row_lengths must sum to the {len(values)} entries, got {int(lengths.sum())}",
     )
-    _check_range(tensors, f"{part}.columns", 0, len(tensors["stimuli.sources"]) - 1)
+    require(not lengths[skipped].any(), "tensor stimuli.row_lengths must be 0 for scans that were skipped")
+    _check_range(tensors, "stimuli.columns", 0, len(sources) - 1)
     row_of = np.repeat(np.arange(len(lengths)), lengths)
     is_rising = (np.diff(columns) > 0) | (np.diff(row_of) > 0)
-    _require_all(f"{part}.columns", is_rising, columns[1:], "rising columns in each row")
-    _check_range(tensors, f"{part}.values", 0, 1)
-    _require_all(f"{part}.values", values > 0, values, "positive numbers")
+    _require_all("stimuli.columns", is_rising, columns[1:], "rising columns in each row")
+    _check_range(tensors, "stimuli.values", 0, 1)
+    _require_all("stimuli.values", values > 0, values, "positive numbers")
 
 
 def _check_space(tensors: Tensors) -> None:

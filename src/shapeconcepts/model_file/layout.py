@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapeconcepts.model_file.error import require
 from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
 
-FORMAT = 3
+FORMAT = 4
 
 Tensors = dict[str, NDArray[Any]]
 
@@ -35,10 +35,6 @@ LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
     "stimuli.row_lengths": ("int64", ("scans",)),
     "stimuli.columns": ("int32", ("stimuli",)),
     "stimuli.values": ("float64", ("stimuli",)),
-    # Empty where stimuli do not diffuse.
-    "diffusion.row_lengths": ("int64", ("rows",)),
-    "diffusion.columns": ("int32", ("shares",)),
-    "diffusion.values": ("float64", ("shares",)),
     "space.vertices": ("int32", ("scans",)),
     "space.edges": ("int32", ("edges", 2)),
     "space.divergences": ("float64", ("edges",)),
@@ -58,7 +54,6 @@ FIELDS = frozenset(
         "parameters",
         "dictionary_parameters",
         "ensemble_parameters",
-        "diffusion_parameters",
         "filtration_parameters",
         "response_parameters",
         "scan_names",

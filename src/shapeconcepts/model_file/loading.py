@@ -19,7 +19,7 @@ from shapeconcepts.model_file.error import ModelError, require
 from shapeconcepts.model_file.layout import Tensors
 from shapeconcepts.model_file.parameters import decode_parameters
 from shapeconcepts.motifs import MotifHierarchies, MotifHierarchyEnsemble, SegmentDictionary
-from shapeconcepts.topology import Concept, Diffusion, Filtration, TopologicalSpace
+from shapeconcepts.topology import Concept, Filtration, TopologicalSpace
 from shapeconcepts.topology.divergence import normalised_rows
 
 # By what equal rows may differ when they are scaled to sum 1 elsewhere.
@@ -70,15 +70,13 @@ def restore_model(tensors: Tensors, description: dict[str, Any]) -> ShapeConcept
     ensemble_parameters = decode_parameters(
         description["ensemble_parameters"], MotifHierarchyEnsemble, "the ensemble's parameters"
     )
-    diffuses = description["diffusion_parameters"] is not None
-    check_content(tensors, list(skipped), ensemble_parameters["columns"], diffuses)
+    check_content(tensors, list(skipped), ensemble_parameters["columns"])
 
     model = ShapeConceptModel(**decode_parameters(description["parameters"], ShapeConceptModel, "parameters"))
     model.skipped_ = skipped
     model.scan_names_, model.scan_labels_ = description["scan_names"], description["scan_labels"]
     model.ensemble_ = _ensemble(tensors, description, ensemble_parameters)
-    model.stimuli_ = _rows(tensors, "stimuli")
-    model.diffusion_ = _diffusion(tensors, description) if diffuses else None
+    model.stimuli_ = _stimuli(tensors)
     rows = normalised_rows(model.stimuli_, "stimuli")
     model.filtration_ = _filtration(tensors, description, rows)
     model.concepts_, model.labels_ = model.filtration_.concepts_, model.filtration_.labels_
@@ -119,15 +117,12 @@ def _ensemble(
     return ensemble
 
 
-def _diffusion(tensors: Tensors, description: dict[str, Any]) -> Diffusion:
-    diffusion = Diffusion(
-        **decode_parameters(description["diffusion_parameters"], Diffusion, "the diffusion's parameters")
+def _stimuli(tensors: Tensors) -> csr_matrix:
+    lengths = tensors["stimuli.row_lengths"]
+    return csr_matrix(
+        (tensors["stimuli.values"], tensors["stimuli.columns"], np.concatenate([[0], np.cumsum(lengths)])),
+        shape=(len(lengths), len(tensors["stimuli.sources"])),
     )
-    diffusion.rows_ = _rows(tensors, "diffusion")
-    diffusion.n_features_in_ = diffusion.rows_.shape[1]
-    # Rows are kept once however many scans have them, but each of these counts.
-    diffusion._set_number(int((tensors["space.vertices"] >= 0).sum()))
-    return diffusion
 
 
 def _filtration(tensors: Tensors, description: dict[str, Any], rows: csr_matrix) -> Filtration:
@@ -181,15 +176,6 @@ def _response(tensors: Tensors, description: dict[str, Any], rows: csr_matrix) -
     response.mean_, response.whitening_ = tensors["response.mean"], tensors["response.whitening"]
     response.largest_divergence_ = description["largest_divergence"]
     return response
-
-
-def _rows(tensors: Tensors, part: str) -> csr_matrix:
-    """Sparse matrix over the columns of the stimuli."""
-    lengths = tensors[f"{part}.row_lengths"]
-    return csr_matrix(
-        (tensors[f"{part}.values"], tensors[f"{part}.columns"], np.concatenate([[0], np.cumsum(lengths)])),
-        shape=(len(lengths), len(tensors["stimuli.sources"])),
-    )
 
 
 def _members(labels: NDArray[np.int32], n_concepts: int) -> list[NDArray[np.int64]]:

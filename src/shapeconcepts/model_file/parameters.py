@@ -36,10 +36,6 @@ def _is_positive(value: object) -> bool:
 
 
 _POSITIVE: Check = (_is_positive, "a positive number")
-_TRUE_OR_FALSE: Check = (
-    lambda value: type(value) in (bool, int) and value in (0, 1),
-    "true or false",
-)
 
 
 def _choice(names: Sequence[str]) -> Check:
@@ -51,7 +47,7 @@ _CHECKS: dict[str, Check] = {
     "word_metric": _choice(METRICS),
     "metric": _choice(METRICS),
     "bandwidth": _POSITIVE,
-    "leave_own_out": _TRUE_OR_FALSE,
+    "leave_own_out": (lambda value: type(value) in (bool, int) and value in (0, 1), "true or false"),
     "min_support": _whole(1),
     "min_concept_size": _whole(2),
     "max_steps": _whole(1),
@@ -65,7 +61,6 @@ _CHECKS: dict[str, Check] = {
         lambda value: value is None or _whole(1)[0](value),
         "null or a whole number of at least 1",
     ),
-    "diffusion": _TRUE_OR_FALSE,
     "heat": _choice(HEATS),
     "stop": _choice(STOPS),
     "distance": _choice(DISTANCES),

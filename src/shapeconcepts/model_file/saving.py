@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_matrix
 from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.model import ShapeConceptModel
 from shapeconcepts.model_file.container import write_container
-from shapeconcepts.model_file.error import ModelError, require
+from shapeconcepts.model_file.error import ModelError
 from shapeconcepts.model_file.layout import FORMAT, Tensors, checked_tensors
 from shapeconcepts.model_file.loading import restore_model
 from shapeconcepts.model_file.parameters import encode_parameters
@@ -45,10 +44,7 @@ def save_model(model: ShapeConceptModel, path: str | PathLike[str]) -> None:
         description = json.loads(json.dumps(_description(model), allow_nan=False))
         tensors = checked_tensors(_tensors(model))
         # A file that could not be loaded again would be worth nothing.
-        restored = restore_model(tensors, description)
-        if model.diffusion_ and restored.diffusion_:
-            ours, theirs = model.diffusion_.n_neighbours_, restored.diffusion_.n_neighbours_
-            require(ours == theirs, f"diffusion has n_neighbours_ {ours}, its parameter means {theirs}")
+        restore_model(tensors, description)
     except (ModelError, TypeError, ValueError) as error:
         raise ModelError(f"model cannot be saved: {error}") from None
     write_container(Path(path), tensors, description)
@@ -63,7 +59,6 @@ def _description(model: ShapeConceptModel) -> dict[str, Any]:
         "parameters": encode_parameters(model),
         "dictionary_parameters": encode_parameters(model.ensemble_.dictionary_),
         "ensemble_parameters": encode_parameters(model.ensemble_),
-        "diffusion_parameters": encode_parameters(model.diffusion_) if model.diffusion_ else None,
         "filtration_parameters": encode_parameters(model.filtration_),
         "response_parameters": encode_parameters(model.response_),
         "scan_names": model.scan_names_,
@@ -79,7 +74,6 @@ def _description(model: ShapeConceptModel) -> dict[str, Any]:
 def _tensors(model: ShapeConceptModel) -> Tensors:
     dictionary, hierarchies = model.ensemble_.dictionary_, model.ensemble_.hierarchies_
     space, response, concepts = model.filtration_.space_, model.response_, model.concepts_
-    diffused_from = model.diffusion_.rows_ if model.diffusion_ else csr_matrix((0, 0))
     return {
         "dictionary.level_sizes": np.diff(dictionary._level_starts),
         "dictionary.words": dictionary._embedded_words,
@@ -97,9 +91,6 @@ def _tensors(model: ShapeConceptModel) -> Tensors:
         "stimuli.row_lengths": np.diff(model.stimuli_.indptr),
         "stimuli.columns": model.stimuli_.indices,
         "stimuli.values": model.stimuli_.data,
-        "diffusion.row_lengths": np.diff(diffused_from.indptr),
-        "diffusion.columns": diffused_from.indices,
-        "diffusion.values": diffused_from.data,
         "space.vertices": space.vertices_,
         "space.edges": space.edges_,
         "space.divergences": space.divergences_,

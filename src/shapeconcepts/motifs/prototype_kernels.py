@@ -189,12 +189,14 @@ def prototype_row(
                 stimuli,
                 others,
             )
-            # Summed as integers: the order in which the prototypes were seen does not matter.
+            # As whole numbers: the order in which the prototypes were seen does not matter to their sum, and
+            # none exceeds it.
             total = 0
             for t in range(n):
                 if stimuli[t] > 0.0:
-                    total += round(ONE * stimuli[t])
+                    stimuli[t] = round(ONE * stimuli[t])
+                    total += int(stimuli[t])
             if total > 0:
                 for t in range(n):
-                    row[t] += ONE * stimuli[t] / total
+                    row[t] += stimuli[t] / total
     return row / n_constellations

@@ -68,7 +68,7 @@ class TopologicalSpace(BaseEstimator):
         # Within `validate_data` this fails for dense matrices without columns.
         check_non_negative(csr_matrix(X), "TopologicalSpace")
         rows = normalised_rows(X, "X")
-        first, self.vertices_ = distinct_rows(rows)
+        first, self.vertices_ = _distinct_rows(rows)
         self.multiplicities_ = np.bincount(self.vertices_[self.vertices_ >= 0], minlength=len(first))
         self.rows_ = csr_matrix(rows[first])
         edges, divergences = grow_spanning_tree(
@@ -100,7 +100,7 @@ class TopologicalSpace(BaseEstimator):
         return tags
 
 
-def distinct_rows(rows: csr_matrix) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+def _distinct_rows(rows: csr_matrix) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
     """First row of each distinct content in a canonical order, and which of these each row is, -1 if empty.
 
     Parameters
