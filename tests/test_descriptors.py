@@ -162,7 +162,7 @@ def test_bad_objects(descriptor, blob):
 
 def test_parameters():
     assert FPFH() == FPFH(radius=0.03) != FPFH(0.02)
-    assert Curvature() == Curvature(radius=0.3) != Curvature(0.2)
+    assert Curvature() == Curvature(radius=0.4) != Curvature(0.2)
     assert repr(Surflet()) == "Surflet(scale='relative')"
     assert Surflet() != Surflet("metric")
     one = as_segmented(np.zeros((1, 3)), [[0, 0, 1]], [0])

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from shapeconcepts.descriptors.curvature_kernels import curvature_histograms, principal_curvatures
 from shapeconcepts.descriptors.protocol import Description
 from shapeconcepts.descriptors.surface import checked_labels, checked_surface
+from shapeconcepts.descriptors.surface_kernels import size_of_segments
 from shapeconcepts.neighbours import cell_grid
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
@@ -34,7 +35,7 @@ class Curvature:
         Radius of a point's neighbourhood, in parts of the object's size; 2 to 6 voxels are used.
     """
 
-    radius: float = 0.3
+    radius: float = 0.4
 
     def describe(self, segmented: SegmentedObject) -> Description:
         """Histograms of each segment's points; no histograms of pairs.
@@ -49,9 +50,7 @@ class Curvature:
         labels = checked_labels(segmented)
         if not (np.isfinite(self.radius) and self.radius > 0):
             raise ValueError(f"radius must be a positive number of object sizes, got {self.radius!r}")
-        counted = labels >= 0
-        offsets = points[counted] - points[counted].mean(axis=0) if counted.any() else np.zeros((1, 3))
-        size = np.sqrt(np.einsum("ij,ij->", offsets, offsets) / len(offsets))
+        size = size_of_segments(points, labels)
         fewest, most = (number * segmented.voxel_size for number in _VOXELS)
         radius = min(max(self.radius * size, fewest), most)
         curvatures = compute_principal_curvatures(points, normals, radius)
@@ -90,7 +89,7 @@ def compute_principal_curvatures(
         a positive number.
     """
     points, normals = checked_surface(points, normals)
-    oriented = np.flatnonzero(normals.any(axis=1))
+    oriented = np.flatnonzero((normals[:, 0] != 0.0) | (normals[:, 1] != 0.0) | (normals[:, 2] != 0.0))
     grid = cell_grid(points[oriented], radius)
     order = oriented[grid.order]
     surface = np.concatenate([grid.coordinates, normals[order].T])

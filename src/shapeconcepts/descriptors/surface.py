@@ -10,13 +10,14 @@ from shapeconcepts.descriptors.surface_kernels import (
     NOT_UNIT,
     first_fault,
     neighbourhood_covariances,
+    on_given_side,
 )
 from shapeconcepts.neighbours import cell_grid
 from shapeconcepts.preparation.normal_kernels import smallest_eigenvectors
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 # Fewer points, with the point itself, are no plane to trust.
-_FEWEST_POINTS = 4
+_FEWEST_POINTS = 4.0
 
 
 def normals_within(
@@ -48,11 +49,7 @@ def normals_within(
     points, normals = checked_surface(points, normals)
     grid = cell_grid(points, radius)
     covariances, counts = neighbourhood_covariances(*grid[1:], float(radius))
-    fitted = np.empty_like(normals)
-    fitted[grid.order] = smallest_eigenvectors(covariances)
-    side = np.sign(np.einsum("ij,ij->i", fitted, normals))
-    side[grid.order[counts < _FEWEST_POINTS]] = 0.0
-    return np.where(side[:, None] == 0.0, normals, side[:, None] * fitted)
+    return on_given_side(smallest_eigenvectors(covariances), counts, _FEWEST_POINTS, grid.order, normals)
 
 
 def checked_surface(

@@ -31,6 +31,61 @@ def first_fault(points: NDArray[np.float64], normals: NDArray[np.float64]) -> tu
     return 0, -1
 
 
+@njit(cache=True, error_model="numpy")
+def on_given_side(
+    fitted: NDArray[np.float64],
+    counts: NDArray[np.float64],
+    fewest: float,
+    order: NDArray[np.int64],
+    normals: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Fitted normals on the side of the given ones, which stay where less than `fewest` points were fitted.
+
+    Parameters
+    ----------
+    fitted : (m, 3) float64
+        Of either sign, for the points in the order of a grid.
+    counts : (m,) float64
+        Points behind each of them.
+    fewest : float
+    order : (m,) int64
+    normals : (m, 3) float64
+
+    Returns
+    -------
+    (m, 3) float64
+        In the order of `normals`; the given one also where it is zero or perpendicular to the fitted one.
+    """
+    result = normals.copy()
+    for place in range(len(order)):
+        i = order[place]
+        x, y, z = fitted[place, 0], fitted[place, 1], fitted[place, 2]
+        side = x * normals[i, 0] + y * normals[i, 1] + z * normals[i, 2]
+        if counts[place] >= fewest and side != 0.0:
+            sign = 1.0 if side > 0.0 else -1.0
+            result[i, 0], result[i, 1], result[i, 2] = sign * x, sign * y, sign * z
+    return result
+
+
+@njit(cache=True, error_model="numpy")
+def size_of_segments(points: NDArray[np.float64], labels: NDArray[np.int32]) -> float:
+    """Root mean square distance of the points in segments from their centroid; 0 without any."""
+    n = 0
+    x = y = z = 0.0
+    for i in range(len(points)):
+        if labels[i] >= 0:
+            n += 1
+            x, y, z = x + points[i, 0], y + points[i, 1], z + points[i, 2]
+    if n == 0:
+        return 0.0
+    x, y, z = x / n, y / n, z / n
+    total = 0.0
+    for i in range(len(points)):
+        if labels[i] >= 0:
+            total += (points[i, 0] - x) ** 2 + (points[i, 1] - y) ** 2 + (points[i, 2] - z) ** 2
+    return math.sqrt(total / n)
+
+
 # Sums in any order compile to vector instructions; it is the same order whenever this runs.
 @njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
 def neighbourhood_covariances(
