@@ -77,3 +77,4 @@ def test_a_scan_is_the_hotter_the_later_it_has_a_neighbour():
     assert min(contents["heat"]) == 0 and max(contents["heat"]) == 1
     later = filtration.times_[filtration.times_ > filtration.concept_time_]
     assert contents["stateEnd"] == later.min()
+    assert contents["fairNumbers"] == [3, 6] and 3 <= len(model.concepts_) <= 6

@@ -47,14 +47,23 @@ class States(NamedTuple):
         return cls(times, n_concepts, largest, int(multiplicities.sum()))
 
 
+def fair_numbers(n_objects: int) -> tuple[float, float]:
+    """The fewest and the most concepts that are fair for n objects.
+
+    0.9 sqrt(n) to 1.2 sqrt(n); in small sets n / 24 (but 3) to n / 8, where that is fewer. Never under 2.
+    """
+    root = np.sqrt(n_objects)
+    most = max(min(1.2 * root, n_objects // 8), 2.0)
+    return float(min(max(min(0.9 * root, max(n_objects / 24, 3.0)), 2.0), most)), float(most)
+
+
 def longest_state(states: States) -> float | None:
     """Start of the state that lasts longest for its time, among those of a fair number of concepts.
 
     How long a grouping outlives the annexation that made it says how clearly its groups are apart. Coarse
     groupings outlive fine ones for no better reason than that fewer annexations are left, so only those with
-    0.9 sqrt(n) to 1.2 sqrt(n) concepts of n objects compete, in small sets n / 24 (but 3) to n / 8, where
-    that is fewer; if there are none, those nearest to this range. The number of concepts first rises, as
-    objects find each other, then falls; only the fall counts.
+    a fair number of concepts compete (see `fair_numbers`); if there are none, those nearest to it. The number
+    of concepts first rises, as objects find each other, then falls; only the fall counts.
 
     Returns
     -------
@@ -70,9 +79,7 @@ def longest_state(states: States) -> float | None:
     # Before the concepts are most, objects still find each other, and most are in none.
     peak = np.flatnonzero(is_open & (states.n_concepts == states.n_concepts[is_open].max()))[-1]
     candidates = peak + np.flatnonzero(is_open[peak:])
-    root = np.sqrt(states.n_objects)
-    most = max(min(1.2 * root, states.n_objects // 8), 2.0)
-    fewest = min(max(min(0.9 * root, max(states.n_objects / 24, 3.0)), 2.0), most)
+    fewest, most = fair_numbers(states.n_objects)
     counts = states.n_concepts[candidates]
     outside = np.maximum(fewest - counts, counts - most).clip(0)
     candidates = candidates[outside == outside.min()]

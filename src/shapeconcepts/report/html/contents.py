@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -19,6 +20,7 @@ from shapeconcepts.report.html.tree_layout import lay_out_tree
 from shapeconcepts.report.palette import NO_SEGMENT_COLOUR, SEGMENT_COLOURS
 from shapeconcepts.topology import Filtration
 from shapeconcepts.topology.divergence import jensen_shannon_divergences
+from shapeconcepts.topology.stopping import fair_numbers
 
 # All previews of a page together, so that the file stays under 25 MB however many scans there are.
 LARGEST_PREVIEWS = 15_000_000
@@ -91,6 +93,7 @@ def _filtration(filtration: Filtration) -> dict[str, Any]:
     n_vertices = len(space.multiplicities_)
     scale = TimeScale.of(filtration)
     step_ends, counts = annexation_counts(filtration, scale)
+    fewest, most = fair_numbers(int((space.vertices_ >= 0).sum()))
     return {
         "heatKind": filtration.heat,
         "stop": filtration.stop,
@@ -107,6 +110,7 @@ def _filtration(filtration: Filtration) -> dict[str, Any]:
         "stepCounts": counts,
         "conceptTime": filtration.concept_time_,
         "stateEnd": _end_of_state(filtration),
+        "fairNumbers": [math.ceil(fewest), math.floor(most)],
         "minSize": int(filtration.min_concept_size),
     }
 

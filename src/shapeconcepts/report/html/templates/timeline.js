@@ -64,10 +64,9 @@ function stopText() {
     return `The concepts are taken at ε_max = ${shownTime(time)}, the busiest step of all `
       + "those that leave at least two concepts and none with more than half of the scans. ";
   }
-  const most = Math.max(Math.sqrt(nPlaced), 2), fewest = Math.max(most / 2, 2);
-  const range = `√n/2 to √n concepts of n scans, here ${Math.ceil(fewest)} to ${Math.floor(most)}`;
-  const candidates = concepts.length >= fewest && concepts.length <= most
-    ? `those with a fair number of concepts (${range})` : `those nearest to a fair number of concepts (${range})`;
+  const [fewest, most] = filtration.fairNumbers, isFair = concepts.length >= fewest && concepts.length <= most;
+  const numbers = fewest === most ? fewest : `${fewest} to ${most}`;
+  const candidates = `those ${isFair ? "with" : "nearest to"} a fair number of concepts (${numbers} for ${nPlaced} scans)`;
   return `The concepts are taken at time ${shownTime(time)}. What is there then stays as it is until ${shownTime(filtration.stateEnd)} `
     + `(the orange band): in proportion to its time, the longest of ${candidates}. `;
 }
