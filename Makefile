@@ -13,7 +13,7 @@ DEMO = demo-output
 
 demo: $(VENV)/installed
 	@rm -rf $(DEMO)
-	$(BIN)/shapeconcepts simulate $(DEMO)/scans --n-per-category 12
+	$(BIN)/shapeconcepts simulate $(DEMO)/scans --n-per-category 24
 	@echo "The first time, kernels are compiled, which takes up to a minute"
 	$(BIN)/shapeconcepts learn $(DEMO)/scans --model $(DEMO)/model.safetensors --report $(DEMO)/report.html
 	@echo "Open $(CURDIR)/$(DEMO)/report.html in a browser. What next:"
