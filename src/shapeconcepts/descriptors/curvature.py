@@ -24,10 +24,9 @@ class Curvature:
 
     The object's size, the root mean square distance of the points in segments from their centroid, is the
     measure of both the neighbourhood and the curvature, so that a small and a large ball are alike. The
-    histogram has 11 places for each of
-    the two, from -3 to 3 on the scale of asinh, finer around 0; beyond this it counts as the last. With the
-    larger of both first, that makes 66 bins. A point counts in the four bins around it, the more, the closer
-    they are: noise moves the histogram a little, never by a whole bin.
+    histogram has 11 places for each of the two, from -3 to 3 on the scale of asinh, finer around 0; beyond
+    this it counts as the last. With the larger of both first, that makes 66 bins. A point counts in the four
+    bins around it, the more, the closer they are: noise moves the histogram a little, never by a whole bin.
 
     Parameters
     ----------

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from shapeconcepts.descriptors.protocol import Description
 from shapeconcepts.descriptors.surface import checked_labels, checked_surface
+from shapeconcepts.descriptors.surface_kernels import size_of_segments
 from shapeconcepts.descriptors.surflet_kernels import accumulate_relations, largest_distance
 from shapeconcepts.neighbours import sorting_order
 from shapeconcepts.preparation.canonical_frame import canonical_coordinates
@@ -89,12 +90,12 @@ def _average_cells(
     points: NDArray[np.float64], normals: NDArray[np.float64], segment_labels: NDArray[np.int32]
 ) -> _Surflets:
     """Average the points of each segment in each cell of a grid around the centroid."""
+    cell_size = _CELL_FRACTION * size_of_segments(points, segment_labels)
     kept = segment_labels >= 0
     points, normals, labels = points[kept], normals[kept], segment_labels[kept].astype(np.int64)
     if len(points) == 0:
         return _Surflets(np.empty((3, 0)), np.empty((3, 0)), np.empty(0), labels)
     offsets = points - points.mean(axis=0)
-    cell_size = _CELL_FRACTION * np.sqrt(np.einsum("ij,ij->", offsets, offsets) / len(points))
     # The grid lies along the object's own axes: a turned object is cut into the same cells. The centroid lies
     # within a cell: on a border, rounding would decide on the points of symmetric objects.
     along_axes = canonical_coordinates(points)
