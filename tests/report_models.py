@@ -28,9 +28,8 @@ HOSTILE = [
 WITHOUT_CONCEPTS = {
     "one scan": np.ones((1, 3)),
     "two scans": np.eye(2),
-    "equal scans": np.ones((6, 2)),
+    "equal scans": np.ones((2, 2)),
     "no stimuli at all": np.zeros((4, 3)),
-    "star": np.vstack([np.full(9, 1 / 9), np.eye(9) + 0.3]),
     "all different": np.eye(8),
 }
 
@@ -42,7 +41,7 @@ def model_of(
     skipped: dict[int, str] | None = None,
     *,
     heat: str = "separation",
-    stop: str = "lifetime",
+    stop: str = "refusal",
 ) -> ShapeConceptModel:
     """A model whose training scans have these stimuli."""
     model = ShapeConceptModel(heat=heat, stop=stop)

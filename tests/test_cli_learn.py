@@ -73,7 +73,7 @@ def test_learn_as_typed(scans: Path, tmp_path: Path) -> None:
         timeout=300,
     )
     assert result.returncode == 0, result.stderr
-    assert result.stdout.split()[:6] == ["concept", "scans", "lifetime", "labels", "typical", "scan"]
+    assert result.stdout.split()[:5] == ["concept", "scans", "labels", "typical", "scan"]
     assert "Wrote m.safetensors\nWrote report.html\n" in result.stderr
     assert "Traceback" not in result.stderr
     assert (tmp_path / "report.html").read_text().lstrip().lower().startswith("<!doctype html>")

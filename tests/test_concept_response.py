@@ -102,29 +102,35 @@ def test_scale_of_a_row_does_not_matter(distance):
 
 @pytest.mark.parametrize("seed", range(6))
 @by_both_distances
-def test_predict_is_the_nearest_prototype(seed, distance):
+def test_predict_is_the_concept_of_the_nearest_prototypes(seed, distance):
     rows, labels, new = example(seed)
+    # So that a concept has fewer than ten.
+    labels[np.flatnonzero(labels == 5)[: -4 - seed]] = -1
     rng = np.random.default_rng(seed)
     new[-5:] = random_rows(rng, 5, 25, 0.1)
     response = ConceptResponse(distance).fit(rows, labels)
     is_prototype = rows.any(axis=1) & (labels >= 0)
     between = slow_divergences(new, rows[is_prototype])
-    longest = slow_longest_step(rows[is_prototype], labels[is_prototype])
+    longest = slow_longest_step(rows[is_prototype])
     assert response.largest_divergence_ == pytest.approx(longest, abs=1e-12)
-    nearest = labels[is_prototype][between.argmin(axis=1)]
+    concepts = np.unique(labels[is_prototype])
+    means = [
+        np.sort(between[:, labels[is_prototype] == concept])[:, :10].mean(axis=1) for concept in concepts
+    ]
+    nearest = concepts[np.argmin(means, axis=0)]
     known = new.any(axis=1) & (between.min(axis=1) <= longest)
     np.testing.assert_array_equal(response.predict(new), np.where(known, nearest, -1))
-    assert response.predict(rows[is_prototype]).tolist() == labels[is_prototype].tolist()
+    assert len(set(response.predict(new).tolist())) > 2
 
 
-def slow_longest_step(rows: np.ndarray, labels: np.ndarray) -> float:
-    """Longest edge of the rows' spanning tree with both ends in one concept."""
+def slow_longest_step(rows: np.ndarray) -> float:
+    """Longest edge of the rows' spanning tree that joins what has something in common."""
     between = slow_divergences(rows, rows)
     inside, longest = {0}, 0.0
     while len(inside) < len(rows):
-        step, a, b = min((between[a, b], a, b) for a in inside for b in range(len(rows)) if b not in inside)
+        step, _, b = min((between[a, b], a, b) for a in inside for b in range(len(rows)) if b not in inside)
         inside.add(b)
-        if labels[a] == labels[b]:
+        if step < 1 - 1e-12:
             longest = max(longest, step)
     return longest
 

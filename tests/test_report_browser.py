@@ -151,7 +151,7 @@ def test_time_can_be_pulled(browser, thousand):
     slider, said = reader.page.locator("input[type=range]"), reader.page.locator("output")
     slider.fill("1")
     reader.settle()
-    assert "1 class," in said.inner_text()
+    assert "12 classes," in said.inner_text()
     slider.fill("0")
     reader.settle()
     assert "1,000 classes" in said.inner_text()
@@ -191,7 +191,7 @@ def test_the_slider_runs_along_the_axis(browser, tmp_path, heat):
 
 
 @pytest.mark.parametrize("heat", ["separation", "geodesic"])
-@pytest.mark.parametrize("stop", ["lifetime", "annexations"])
+@pytest.mark.parametrize("stop", ["refusal", "annexations"])
 def test_a_page_says_how_its_time_was_chosen(browser, tmp_path, heat, stop):
     rows, labels = grouped_stimuli(60, 4)
     model = model_of(rows, labels, heat=heat, stop=stop)
@@ -199,7 +199,7 @@ def test_a_page_says_how_its_time_was_chosen(browser, tmp_path, heat, stop):
     reader = Reader(browser, tmp_path / "r.html")
     told = reader.page.evaluate("document.body.innerHTML.split('<script')[0]")
     assert ("ε_max" in told) == ("busiest step" in told) == (stop == "annexations")
-    assert ("in proportion to its time" in told) == (stop == "lifetime")
+    assert ("left in the end" in told) == ("refuse" in told) == (stop == "refusal")
     assert ("hot middle" in told) == (heat == "geodesic")
     assert ("logarithmic" in told) == (heat == "separation")
     assert ("joins early" in told) is False
@@ -225,7 +225,7 @@ def test_hostile_names_do_nothing(browser, tmp_path):
     assert reader.complaints == [] and reader.requests == [path.as_uri()]
 
 
-@pytest.mark.parametrize("kind", ["one scan", "no stimuli at all", "star"])
+@pytest.mark.parametrize("kind", ["one scan", "no stimuli at all", "all different"])
 def test_models_without_concepts(browser, tmp_path, kind):
     rows = WITHOUT_CONCEPTS[kind]
     write_report(tmp_path / "r.html", model_of(rows), [preview(ball(), 50)] * len(rows))

@@ -70,7 +70,12 @@ def test_f_runs_inwards_in_time(heat):
     radii = np.linalg.norm(places, axis=1)
     dying, surviving = filtration.annexations_.T
     assert np.allclose(radii[dying], death_radii)
-    assert np.allclose(radii[filtration.annexations_[-1, 1]], 0)
+    is_left = np.isinf(filtration.diagram()[:, 1])
+    assert is_left.sum() > 1 and np.allclose(radii[is_left], 0.6 * death_radii.min())
+    # A single class that is left is in the middle.
+    single = model_of(grouped_stimuli(80, 5)[0], heat=heat, stop="annexations").filtration_
+    places_of_single = lay_out_filtration(single.annexations_, TimeScale.of(single).radii(single.times_), 80)
+    assert np.allclose(places_of_single[single.annexations_[-1, 1]], 0)
     assert np.all(radii[dying] >= radii[surviving] - 1e-12)
     outer = places[radii > 0.2]
     apart = np.linalg.norm(outer[:, None] - outer[None], axis=2)[~np.eye(len(outer), dtype=bool)]

@@ -22,7 +22,7 @@ from topology_reference import (
 TREES = ("attached", "long", "path", "star", "caterpillar", "two stars")
 PAPER = {"heat": "geodesic", "stop": "annexations"}
 by_both_heats = pytest.mark.parametrize("heat", HEATS)
-no_concepts_are_no_news = pytest.mark.filterwarnings("ignore:no time of the filtration")
+no_concepts_are_no_news = pytest.mark.filterwarnings("ignore:the filtration of")
 
 
 def tree(rng: np.random.Generator, kind: str, n: int) -> list[tuple[int, int]]:
@@ -268,17 +268,12 @@ TRIVIAL = {
 }
 
 
-# The other rule takes two concepts, even if one of them is large.
-@pytest.mark.parametrize(
-    ("name", "stop"),
-    [(name, stop) for name in TRIVIAL for stop in STOPS if stop == "annexations" or name != LARGE],
-)
+@pytest.mark.parametrize("name", TRIVIAL)
 @by_both_heats
-def test_no_state_that_is_not_trivial(name, stop, heat):
-    with pytest.warns(UserWarning, match="no object is in a concept") as caught:
-        filtration = Filtration(heat=heat, stop=stop).fit(TRIVIAL[name])
+def test_no_state_that_is_not_trivial(name, heat):
+    with pytest.warns(UserWarning, match="none with more than half: no object is in a concept") as caught:
+        filtration = Filtration(heat=heat, stop="annexations").fit(TRIVIAL[name])
     assert caught[0].filename == __file__
-    assert ("more than half" in str(caught[0].message)) == (stop == "annexations")
     assert filtration.epsilon_max is None and filtration.concepts_ == []
     assert filtration.concept_time is None
     n = np.shape(TRIVIAL[name])[0]
@@ -290,6 +285,42 @@ def test_no_state_that_is_not_trivial(name, stop, heat):
         filtration.annexations()[1].sum() == len(filtration.times) == len(filtration.diagram()) - bool(placed)
     )
     assert filtration.graph().number_of_nodes() == len(filtration.space_.multiplicities_)
+
+
+@pytest.mark.parametrize(
+    "name", ["one object", "two objects", "all disjoint", "nothing but empty rows", "no columns"]
+)
+@by_both_heats
+def test_nothing_that_is_left_is_a_concept(name, heat):
+    with pytest.warns(UserWarning, match="leaves no class of at least 3 objects: no object is in a concept"):
+        filtration = Filtration(heat=heat).fit(TRIVIAL[name])
+    assert filtration.concepts_ == [] and filtration.concept_time is None
+    assert (filtration.labels_ == -1).all()
+    assert len(filtration.times) + len(filtration.refused_times_) == max(len(filtration.diagram()) - 1, 0)
+
+
+@pytest.mark.parametrize("name", ["three objects", "all equal"])
+@by_both_heats
+def test_a_single_concept(name, heat):
+    """Of one kind there is one concept, without a warning."""
+    filtration = Filtration(heat=heat).fit(TRIVIAL[name])
+    n = np.shape(TRIVIAL[name])[0]
+    assert [concept.size for concept in filtration.concepts_] == [n]
+    assert filtration.labels_.tolist() == [0] * n and filtration.concept_time == 1
+
+
+@by_both_heats
+@pytest.mark.parametrize("seed", range(0, 60, 9))
+def test_without_refusals(seed, heat):
+    filtration, _ = example(seed, heat, "refusal")
+    whole, expected = filtration.without_refusals(), example(seed, heat)[0]
+    np.testing.assert_array_equal(whole.edges_, expected.edges_)
+    np.testing.assert_array_equal(whole.times_, expected.times_)
+    np.testing.assert_array_equal(whole.labels_, expected.labels_)
+    assert len(whole.refused_edges_) == 0 and whole.get_params() == expected.get_params()
+    np.testing.assert_array_equal(
+        np.sort(np.concatenate([filtration.times_, filtration.refused_times_])), whole.times_
+    )
 
 
 def test_all_edges_equally_hot():
@@ -332,7 +363,7 @@ def test_multiples_are_concepts_from_the_start():
         ({"min_concept_size": True}, "min_concept_size must be an integer of at least 2, got True"),
         ({"max_steps": 0}, "max_steps must be an integer of at least 1, got 0"),
         ({"heat": "warm"}, "heat must be one of 'separation', 'geodesic', got 'warm'"),
-        ({"stop": None}, "stop must be one of 'lifetime', 'annexations', got None"),
+        ({"stop": None}, "stop must be one of 'refusal', 'annexations', got None"),
         ({"max_steps": "many"}, "max_steps must be an integer of at least 1, got 'many'"),
     ],
 )

@@ -139,7 +139,7 @@ def test_far_bunches_against_ward(seed):
 @pytest.mark.filterwarnings("ignore:no time of the filtration")
 def test_times_are_separations_scaled():
     rows = rows_of_tree([(0, 1), (1, 2), (2, 3)], [2, 1, 1, 3])
-    filtration = Filtration().fit(rows)
+    filtration = Filtration(stop="annexations").fit(rows)
     space = filtration.space_
     order, separations = slow_separations(
         [tuple(edge) for edge in space.edges_.tolist()],

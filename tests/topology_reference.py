@@ -1,8 +1,7 @@
 """What the topological half computes, slowly: dictionaries, sets and fractions. And matrices to try it on."""
 
-from collections.abc import Callable
 from fractions import Fraction
-from itertools import combinations, pairwise
+from itertools import combinations
 from math import ceil, sqrt
 from typing import NamedTuple
 
@@ -173,21 +172,77 @@ def slow_filtration(
     return SlowFiltration(edges, times, annexations, per_step, min(open_steps)[1] if open_steps else None)
 
 
-def slow_longest_state(
-    times: list[float], n_concepts: Callable[[float], int], n_objects: int
-) -> float | None:
-    """The time from 0 to 1, of a state that is not the last, by the rule of `longest_state`."""
-    moments = sorted(set(times))
-    states = [(t, following / t, n_concepts(t)) for t, following in pairwise(moments)]
-    states = [state for state in states if state[2] >= 2]
-    if not states:
-        return None
-    highest = max(count for _, _, count in states)
-    while any(count == highest for _, _, count in states[1:]):
-        states = states[1:]
-    most = max(min(1.2 * sqrt(n_objects), n_objects // 8), 2)
-    fewest = min(max(min(0.9 * sqrt(n_objects), max(n_objects / 24, 3)), 2), most)
-    excess = {count: max(fewest - count, count - most, 0) for _, _, count in states}
-    fair = [state for state in states if excess[state[2]] == min(excess.values())]
-    longest = max(lasts for _, lasts, _ in fair)
-    return next(t for t, lasts, _ in fair if lasts == longest)
+def slow_neighbours(divergences: np.ndarray, counts: list[int], n_neighbours: int) -> list[set[int]]:
+    """Vertices nearest to each vertex, as many as it takes for so many objects beside one of its own."""
+    neighbours = []
+    for vertex, to_others in enumerate(divergences):
+        found, n_objects = set(), counts[vertex] - 1
+        for divergence, other in sorted((round(d, 12), k) for k, d in enumerate(to_others) if k != vertex):
+            if n_objects < n_neighbours and divergence < 1:
+                found.add(other)
+                n_objects += counts[other]
+        neighbours.append(found)
+    return neighbours
+
+
+def slow_settled(
+    concepts: list[int], divergences: np.ndarray, counts: list[int], n_neighbours: int, min_size: int
+) -> list[int]:
+    """Concept of each vertex after all objects have settled, object by object; -1 for none."""
+    near = slow_neighbours(divergences, counts, n_neighbours)
+    for _ in range(50):
+        members = {c: sum(n for n, own in zip(counts, concepts, strict=True) if own == c) for c in concepts}
+        concepts = [c if c >= 0 and members[c] >= min_size else -1 for c in concepts]
+        moved = []
+        for vertex, own in enumerate(concepts):
+            to_near = sorted((divergences[vertex, other], other) for other in near[vertex])
+            copies = [(0.0, own)] * (counts[vertex] - 1)
+            seen = copies + [(d, concepts[other]) for d, other in to_near for _ in range(counts[other])]
+            farthest = to_near[-1][0] if to_near else 0.0
+            means = []
+            for concept in sorted(set(concepts) - {-1}):
+                distances = [d for d, c in seen if c == concept][:10]
+                wanted = min(members[concept] - (concept == own), 10)
+                if distances:
+                    distances += [farthest] * (wanted - len(distances))
+                    means.append((round(sum(distances) / wanted, 10), concept != own, concept))
+            moved.append(min(means)[2] if means else own)
+        if moved == concepts:
+            break
+        concepts = moved
+    members = {c: sum(n for n, own in zip(counts, concepts, strict=True) if own == c) for c in concepts}
+    return [c if c >= 0 and members[c] >= min_size else -1 for c in concepts]
+
+
+def slow_mixing(
+    one: set[int], other: set[int], neighbours: list[set[int]], counts: list[int], n_neighbours: int
+) -> Fraction:
+    """Over all pairs of objects, each way."""
+    pairs = [(a, b, counts[a] * counts[b]) for a in one for b in other]
+    links = sum(weight * ((b in neighbours[a]) + (a in neighbours[b])) for a, b, weight in pairs)
+    share = Fraction(links, 2 * sum(weight for _, _, weight in pairs))
+    size = sum(counts[vertex] for vertex in one | other)
+    return share / min(Fraction(1), Fraction(n_neighbours, size - 1))
+
+
+def slow_neighbourhood_size(n_objects: int) -> int:
+    return max(min(max(round(3 * sqrt(n_objects)), 36), n_objects // 2), 1)
+
+
+def slow_refusals(
+    edges: list[tuple[int, int]], divergences: np.ndarray, counts: list[int], min_size: int
+) -> list[bool]:
+    """Edges in the order in which they enter."""
+    n_neighbours = slow_neighbourhood_size(sum(counts))
+    neighbours = slow_neighbours(divergences, counts, n_neighbours)
+    group = {vertex: {vertex} for vertex in range(len(counts))}
+    refused = []
+    for a, b in edges:
+        smaller = min(sum(counts[v] for v in group[end]) for end in (a, b))
+        is_small = smaller < min_size or smaller < n_neighbours / 16
+        mixing = slow_mixing(group[a], group[b], neighbours, counts, n_neighbours)
+        refused.append(divergences[a, b] > 1 - 1e-12 or (not is_small and mixing < Fraction(4, 5)))
+        if not refused[-1]:
+            joined = group[a] | group[b]
+            group.update(dict.fromkeys(joined, joined))
+    return refused

@@ -86,7 +86,7 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         leave_own_out: bool = True,
         min_support: int = 2,
         heat: str = "separation",
-        stop: str = "lifetime",
+        stop: str = "refusal",
         response_distance: str = "divergence",
         min_concept_size: int = 3,
         max_steps: int = 200,

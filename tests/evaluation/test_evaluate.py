@@ -33,8 +33,9 @@ def test_the_same_objects_give_the_same_figures() -> None:
     assert [one["preset"] for one in first["selections"]] == ["default", "paper"]
     assert first["skipped"] == [["a.pcd", "is empty"]]
     assert first["versions"]["shapeconcepts"]
-    # The last class never dies.
-    assert [death for _, death in first["selections"][0]["filtration"]["diagram"]].count(None) == 1
+    # Of the default, what refuses to join never dies; of the paper, the last class.
+    never = [[d for _, d in one["filtration"]["diagram"]].count(None) for one in first["selections"]]
+    assert never[0] > 1 and never[1] == 1
 
 
 def test_instances_stay_on_one_side(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -90,4 +90,4 @@ def test_only_the_trained_decide_in_the_stricter_share(concept_map) -> None:
 
 
 def test_no_concept_gives_no_map() -> None:
-    assert generalisation(OBJECTS, [], "default", (np.array([0, 12, 24]), np.array([1]))) is None
+    assert generalisation(OBJECTS, [], "default", (np.array([0, 12]), np.array([1]))) is None

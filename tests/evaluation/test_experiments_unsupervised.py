@@ -65,7 +65,8 @@ def test_bars_are_ranked_by_equation_five() -> None:
 def test_filtration_is_that_of_the_first_repetition() -> None:
     result, _ = unsupervised_selection(OBJECTS, "default", SPLITS)
     filtration = result.filtration
-    assert filtration.counts.sum() == len(filtration.diagram) - 1
+    n_left = int(np.isinf(np.array(filtration.diagram, float)[:, 1]).sum())
+    assert filtration.counts.sum() == len(filtration.diagram) - n_left and n_left > 1
     assert filtration.concept_time is not None
     at = np.searchsorted(filtration.times, filtration.concept_time, side="right") - 1
     assert filtration.n_concepts[at] == result.scores[0].n_groups
@@ -90,9 +91,9 @@ def test_several_processes_give_the_same() -> None:
 
 
 def test_no_concept_is_a_result_too() -> None:
-    """Four training objects cannot make two concepts of at least three."""
+    """Two training objects cannot make a concept of at least three."""
     labels = OBJECTS.labels
-    few = np.array([*np.flatnonzero(labels == "box")[:2], *np.flatnonzero(labels == "can")[:2]])
+    few = np.array([*np.flatnonzero(labels == "box")[:1], *np.flatnonzero(labels == "can")[:1]])
     test = np.setdiff1d(np.flatnonzero(labels != "ball"), few)
     found = select(OBJECTS.described["default"], labels, (few, test), "default", True)
     assert found.scores.n_groups == 0

@@ -63,7 +63,7 @@ def print_concepts(model: ShapeConceptModel) -> None:
         return
     named = any(summary["name"] for summary in summaries)
     labelled = any(summary["labels"] for summary in summaries)
-    titles = ["concept", *["name"] * named, "scans", "lifetime", *["labels"] * labelled, "typical scan"]
+    titles = ["concept", *["name"] * named, "scans", *["labels"] * labelled, "typical scan"]
     rows = []
     for summary in summaries:
         rows.append(
@@ -71,7 +71,6 @@ def print_concepts(model: ShapeConceptModel) -> None:
                 str(summary["number"]),
                 *[summary["name"]] * named,
                 str(summary["size"]),
-                f"{summary['lifetime']:.3f}",
                 *[_shares(summary["labels"], summary["size"])] * labelled,
                 summary["medoid"],
             ]
@@ -85,10 +84,8 @@ def in_words(model: ShapeConceptModel) -> str:
     n_in = int((model.labels_ >= 0).sum())
     if n_concepts == 0:
         return f"{n_scans} scans, no concept"
-    return (
-        f"{n_concepts} concepts with {n_in} of {n_scans} scans ({n_in / n_scans:.0%}), "
-        f"at time {model.filtration_.concept_time:.3f}"
-    )
+    concepts = "1 concept" if n_concepts == 1 else f"{n_concepts} concepts"
+    return f"{concepts} with {n_in} of {n_scans} scans ({n_in / n_scans:.0%})"
 
 
 def concept_title(model: ShapeConceptModel, number: int) -> str:

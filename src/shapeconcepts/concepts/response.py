@@ -19,6 +19,9 @@ from shapeconcepts.topology.space import TopologicalSpace
 DISTANCES = ("divergence", "mahalanobis")
 MAX_COMPONENTS = 30
 VARIANCE_KEPT = 0.95
+# Prototypes of a concept that a row is compared with to predict: one may be odd, and all of them say little
+# about a large concept's rim.
+N_NEAREST = 10
 # Above so many entries the dense matrix is not formed.
 _DENSE_ENTRIES = 2_000_000
 
@@ -50,8 +53,8 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         Takes centred rows to principal components of variance 1, between which the Mahalanobis distance is
         the Euclidean one. Without any component where the distance is another.
     largest_divergence_ : float
-        The longest step between neighbouring prototypes of a concept. An object that is farther from every
-        prototype is unknown.
+        The longest step between neighbouring prototypes that have anything in common. An object that is
+        farther from every prototype is unknown.
     n_features_in_ : int
     """
 
@@ -136,7 +139,9 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         return distances
 
     def predict(self, X: ArrayLike | spmatrix | sparray) -> NDArray[np.int64]:
-        """Concept of the prototype of smallest Jensen-Shannon divergence, -1 where even that one is far.
+        """Concept whose nearest prototypes are nearest on average, -1 where every prototype is far.
+
+        The average is over the 10 of smallest Jensen-Shannon divergence, or all where a concept has fewer.
 
         Parameters and errors are those of `transform`.
 
@@ -150,9 +155,13 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         if len(self.classes_) == 0:
             return np.full(rows.shape[0], -1)
         divergences = jensen_shannon_divergences(rows, self.prototypes_)
-        nearest = divergences.argmin(axis=1)
+        means = np.empty((rows.shape[0], len(self.classes_)))
+        for concept in range(len(self.classes_)):
+            nearest = np.sort(divergences[:, self.prototype_concepts_ == concept])[:, :N_NEAREST]
+            # Column by column: summed over rows, the rounding would depend on how many there are.
+            means[:, concept] = sum(nearest.T) / nearest.shape[1]
         known = (divergences.min(axis=1) <= self.largest_divergence_) & (np.diff(rows.indptr) > 0)
-        return np.where(known, self.classes_[self.prototype_concepts_[nearest]], -1)
+        return np.where(known, self.classes_[means.argmin(axis=1)], -1)
 
     def get_feature_names_out(self, input_features: object = None) -> NDArray[np.object_]:
         """Names of the columns of `transform`: "concept0", "concept1" ..."""
@@ -171,14 +180,11 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         return rows @ self.whitening_ - self.mean_ @ self.whitening_
 
     def _longest_step(self) -> float:
-        """Longest edge of the prototypes' spanning tree that stays within a concept."""
+        """Longest edge of the prototypes' spanning tree, but for those between what has nothing in common."""
         if self.prototypes_.shape[0] == 0:
             return 0.0
-        space = TopologicalSpace().fit(self.prototypes_)
-        concept = np.empty(len(space.multiplicities_), np.int64)
-        concept[space.vertices_] = self.prototype_concepts_
-        within = concept[space.edges_[:, 0]] == concept[space.edges_[:, 1]]
-        return float(space.divergences_[within].max(initial=0.0))
+        steps = TopologicalSpace().fit(self.prototypes_).divergences_
+        return float(steps[steps < 1].max(initial=0.0))
 
     def __sklearn_tags__(self) -> Any:
         tags = super().__sklearn_tags__()

@@ -205,6 +205,12 @@ def _check_space(tensors: Tensors) -> None:
     _require_all("space.edges", edges[:, 0] < edges[:, 1], edges, "the smaller vertex first")
     _require_sorted("space.edges", edges)
     _check_range(tensors, "space.divergences", 0, 1)
+    refused = tensors["filtration.refused_edges"]
+    both, counts = np.unique(np.concatenate([edges, refused]), axis=0, return_counts=True)
+    require(
+        len(both) == len(edges) and bool((counts <= 2).all()),
+        "tensor filtration.refused_edges must hold edges of the tree, each once",
+    )
 
 
 def _check_concepts(tensors: Tensors) -> None:

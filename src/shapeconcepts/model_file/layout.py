@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapeconcepts.model_file.error import require
 from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
 
-FORMAT = 4
+FORMAT = 5
 
 Tensors = dict[str, NDArray[Any]]
 
@@ -38,6 +38,7 @@ LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
     "space.vertices": ("int32", ("scans",)),
     "space.edges": ("int32", ("edges", 2)),
     "space.divergences": ("float64", ("edges",)),
+    "filtration.refused_edges": ("int32", ("refused", 2)),
     "concepts.labels": ("int32", ("scans",)),
     "concepts.medoids": ("int64", ("concepts",)),
     "concepts.births": ("float64", ("concepts",)),

@@ -144,7 +144,13 @@ def _filtration(tensors: Tensors, description: dict[str, Any], rows: csr_matrix)
     filtration = Filtration(
         **decode_parameters(description["filtration_parameters"], Filtration, "the filtration's parameters")
     )
-    filtration._annex(space)
+    refused_edges = tensors["filtration.refused_edges"]
+    require(
+        filtration.stop == "refusal" or len(refused_edges) == 0,
+        f"tensor filtration.refused_edges must be empty where stop is {filtration.stop!r}",
+    )
+    order, times = filtration._order(space)
+    filtration._annex(space, order, times, _are_among(space.edges_[order], refused_edges))
     filtration.concept_time_ = description["concept_time"]
     filtration.epsilon_max_ = description["epsilon_max"]
     filtration.labels_ = tensors["concepts.labels"]
@@ -160,6 +166,13 @@ def _filtration(tensors: Tensors, description: dict[str, Any], rows: csr_matrix)
         )
     ]
     return filtration
+
+
+def _are_among(edges: NDArray[np.int32], others: NDArray[np.int32]) -> NDArray[np.bool_]:
+    """Whether each edge is one of others; all between vertices from 0."""
+    pairs = np.concatenate([edges, others]).astype(np.int64)
+    numbers = pairs[:, 0] * (pairs.max(initial=0) + 1) + pairs[:, 1]
+    return np.isin(numbers[: len(edges)], numbers[len(edges) :])
 
 
 def _response(tensors: Tensors, description: dict[str, Any], rows: csr_matrix) -> ConceptResponse:

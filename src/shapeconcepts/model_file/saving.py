@@ -94,6 +94,7 @@ def _tensors(model: ShapeConceptModel) -> Tensors:
         "space.vertices": space.vertices_,
         "space.edges": space.edges_,
         "space.divergences": space.divergences_,
+        "filtration.refused_edges": model.filtration_.refused_edges_,
         "concepts.labels": model.labels_,
         "concepts.medoids": np.array([concept.medoid for concept in concepts], np.int64),
         "concepts.births": np.array([concept.birth for concept in concepts], np.float64),

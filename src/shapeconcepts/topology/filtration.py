@@ -15,25 +15,29 @@ from sklearn.utils.validation import check_is_fitted
 from shapeconcepts.parameter_checks import check_choice, check_integer
 from shapeconcepts.topology.annexation_kernels import annex
 from shapeconcepts.topology.concept import Concept
+from shapeconcepts.topology.concepts_of_groups import concepts_of_groups, lives
 from shapeconcepts.topology.groups import Groups, members_of_groups
-from shapeconcepts.topology.medoid_kernels import medoids_of_groups
+from shapeconcepts.topology.mixing import refusals
+from shapeconcepts.topology.neighbourhood import Neighbourhoods
 from shapeconcepts.topology.separation_kernels import separation_order
+from shapeconcepts.topology.settling import settled
 from shapeconcepts.topology.space import TopologicalSpace
-from shapeconcepts.topology.stopping import States, longest_state, most_annexations
+from shapeconcepts.topology.stopping import States, most_annexations
 
 if TYPE_CHECKING:
     import networkx
 
 HEATS = ("separation", "geodesic")
-STOPS = ("lifetime", "annexations")
+STOPS = ("refusal", "annexations")
 
 
 class Filtration(ClusterMixin, BaseEstimator):
     """Lets the objects of a topological space annex each other along the edges of its tree.
 
-    Edges enter in the order of their heat. Time runs from just above 0, when the first enter, to 1, when a
-    single class is left. At each edge the class with fewer members dies (paper: Topological Filtration,
-    Persistent Shape Concept Extraction).
+    Edges enter in the order of their heat. Time runs from just above 0, when the first enter, to 1. At each
+    edge the class with fewer members dies (paper: Topological Filtration, Persistent Shape Concept
+    Extraction). An edge between classes that do not mix can be refused: it never enters, and classes are left
+    in the end that never die.
 
     Parameters
     ----------
@@ -45,8 +49,11 @@ class Filtration(ClusterMixin, BaseEstimator):
         "separation": an edge is the hotter, the longer it is and the larger the classes are that it holds
         apart, divergence times sqrt(a b / (a + b)) for a and b objects. "geodesic": the more central it is in
         the tree (paper: equation 2).
-    stop : {"lifetime", "annexations"}
-        The time at which concepts are taken: see `longest_state`, and `most_annexations` (paper).
+    stop : {"refusal", "annexations"}
+        What concepts are. "refusal": the classes that are left in the end, as edges between classes that do
+        not mix are refused, see `refusals`; objects at their borders settle, see `settled`. "annexations":
+        those at the time of the most annexations, see `most_annexations` (paper); nothing is refused, and a
+        single class is left in the end.
 
     Attributes
     ----------
@@ -54,16 +61,20 @@ class Filtration(ClusterMixin, BaseEstimator):
     times_ : (e,) float64
         Time of each annexation, rising, in (0, 1].
     edges_ : (e, 2) int32
-        Edges of the spanning tree in the order of their time, as vertices of the space.
+        Edges of the spanning tree that enter, in the order of their time, as vertices of the space.
+    refused_edges_ : (r, 2) int32
+        The others, in this order, too.
+    refused_times_ : (r,) float64
+        When they would have entered.
     annexations_ : (e, 2) int32
         Representative of the class that dies, and of the one that it dies into: the edges of the filtration
         graph F.
     concept_time_ : float or None
-        The time at which concepts are taken. None where no time leaves at least two.
+        The time at which concepts are taken; with "refusal", 1. None where there are none.
     epsilon_max_ : float or None
         The paper's indicator of that time: where annexations are most frequent.
     labels_ : (n,) int32
-        Concept of each object at that time, -1 for none.
+        Concept of each object, -1 for none.
     concepts_ : list of Concept
     """
 
@@ -72,7 +83,7 @@ class Filtration(ClusterMixin, BaseEstimator):
         min_concept_size: int = 3,
         max_steps: int = 200,
         heat: str = "separation",
-        stop: str = "lifetime",
+        stop: str = "refusal",
     ) -> None:
         self.min_concept_size = min_concept_size
         self.max_steps = max_steps
@@ -100,7 +111,7 @@ class Filtration(ClusterMixin, BaseEstimator):
         Warns
         -----
         UserWarning
-            If there is no time at which the objects fall into at least two concepts.
+            If no object is in a concept.
         """
         self.check_parameters()
         self._filter(TopologicalSpace().fit(X))
@@ -114,39 +125,76 @@ class Filtration(ClusterMixin, BaseEstimator):
         check_integer("max_steps", self.max_steps, 1)
 
     def _filter(self, space: TopologicalSpace) -> None:
-        states = self._annex(space)
-        self.epsilon_max_ = most_annexations(states, *self.annexations())
-        self.concept_time_ = longest_state(states) if self.stop == "lifetime" else self.epsilon_max_
-        if self.concept_time_ is None:
-            self.concepts_: list[Concept] = []
+        order, times = self._order(space)
+        if self.stop == "annexations":
+            states = self._annex(space, order, times, np.zeros(len(order), bool))
+            self.epsilon_max_ = most_annexations(states, *self.annexations())
+            time = self.epsilon_max_
+            self.concepts_: list[Concept] = [] if time is None else self.concepts_at(time)
+        else:
+            neighbourhoods = Neighbourhoods.of(space)
+            refused = refusals(space, order, neighbourhoods, self.min_concept_size)
+            states = self._annex(space, order, times, refused)
+            self.epsilon_max_ = most_annexations(states, *self.annexations())
+            time = 1.0
+            self.concepts_ = self._settled(neighbourhoods)
+        self.concept_time_ = time if self.concepts_ else None
+        if not self.concepts_:
+            size = f"of at least {self.min_concept_size} objects"
+            found = (
+                f"at no time two concepts {size}, none with more than half"
+                if self.stop == "annexations"
+                else f"no class {size}"
+            )
             warnings.warn(
-                f"no time of the filtration of {len(self.space_.vertices_)} objects "
-                f"({len(self.space_.multiplicities_)} different places in the space) leaves two concepts of "
-                f"at least {self.min_concept_size} objects"
-                + (" without one that holds more than half" if self.stop == "annexations" else "")
-                + ": no object is in a concept",
+                f"the filtration of {int(space.multiplicities_.sum())} objects "
+                f"({len(space.multiplicities_)} different places in the space) leaves {found}: "
+                "no object is in a concept",
                 stacklevel=3,
             )
-        else:
-            self.concepts_ = self.concepts_at(self.concept_time_)
-        self.labels_ = self._labels(self.concepts_)
+        self.labels_ = np.full(len(space.vertices_), -1, np.int32)
+        for number, concept in enumerate(self.concepts_):
+            self.labels_[concept.members] = number
 
-    def _annex(self, space: TopologicalSpace) -> States:
-        """Let the edges of a space enter."""
-        self.space_ = space
-        self.n_features_in_ = space.n_features_in_
+    def _order(self, space: TopologicalSpace) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Order in which the edges of a space would enter, and when."""
         if self.heat == "separation":
             order, edge_heat = separation_order(space.edges_, space.divergences_, space.multiplicities_)
         else:
             order = np.argsort(space.edge_heat_, kind="stable")
             edge_heat = space.edge_heat_[order]
-        self.times_ = _times(edge_heat)
-        self.edges_ = space.edges_[order]
+        return order, _times(edge_heat)
+
+    def _annex(
+        self,
+        space: TopologicalSpace,
+        order: NDArray[np.int64],
+        times: NDArray[np.float64],
+        refused: NDArray[np.bool_],
+    ) -> States:
+        """Let the edges of a space enter, but for those that are refused."""
+        self.space_ = space
+        self.n_features_in_ = space.n_features_in_
+        edges = space.edges_[order]
+        self.edges_, self.times_ = edges[~refused], times[~refused]
+        self.refused_edges_, self.refused_times_ = edges[refused], times[refused]
         dying, surviving, dying_sizes, surviving_sizes = annex(self.edges_, space.multiplicities_)
         self.annexations_ = np.stack([dying, surviving], axis=1)
         return States.of(
             self.times_, dying_sizes, surviving_sizes, space.multiplicities_, self.min_concept_size
         )
+
+    def _settled(self, neighbourhoods: Neighbourhoods) -> list[Concept]:
+        """The classes that are left in the end, after objects at their borders have settled."""
+        groups, chosen = self._groups_at(1.0, None)
+        births, deaths = lives(groups, self.edges_, self.times_, len(self.times_))
+        number_of = np.full(groups.n_groups, -1, np.int32)
+        number_of[chosen] = np.arange(len(chosen))
+        sizes = self.space_.multiplicities_
+        of_vertex = settled(number_of[groups.of_vertex], sizes, neighbourhoods, self.min_concept_size)
+        after = Groups(len(chosen), of_vertex, np.append(of_vertex, np.int32(-1))[self.space_.vertices_])
+        largest_first = after.of_size(self.min_concept_size)
+        return concepts_of_groups(self.space_, after, largest_first, births[chosen], deaths[chosen])
 
     @property
     def times(self) -> NDArray[np.float64]:
@@ -162,7 +210,7 @@ class Filtration(ClusterMixin, BaseEstimator):
 
     @property
     def concept_time(self) -> float | None:
-        """Time at which concepts are taken, None where no time qualifies."""
+        """Time at which concepts are taken, None where there are none."""
         check_is_fitted(self)
         return self.concept_time_
 
@@ -200,8 +248,8 @@ class Filtration(ClusterMixin, BaseEstimator):
         Returns
         -------
         (v, 2) float64
-            Birth and death of the class of each vertex of the space. All are born at 0; the last one never
-            dies: its death is infinite.
+            Birth and death of the class of each vertex of the space. All are born at 0; one that is left in
+            the end never dies: its death is infinite.
         """
         check_is_fitted(self)
         diagram = np.zeros((len(self.space_.multiplicities_), 2))
@@ -250,17 +298,18 @@ class Filtration(ClusterMixin, BaseEstimator):
         """
         groups, chosen = self._groups_at(time, min_size)
         n_joined = int(np.searchsorted(self.times_, time, side="right"))
-        births = np.zeros(groups.n_groups)
-        np.maximum.at(births, groups.of_vertex[self.edges_[:n_joined, 0]], self.times_[:n_joined])
-        deaths = np.full(groups.n_groups, np.inf)
-        for end in self.edges_[n_joined:].T:
-            np.minimum.at(deaths, groups.of_vertex[end], self.times_[n_joined:])
-        members, starts = members_of_groups(groups.of_object, groups.n_groups)
-        medoids = self._medoids(chosen, *members_of_groups(groups.of_vertex, groups.n_groups))
-        return [
-            Concept(members[starts[k] : starts[k + 1]], medoid, float(births[k]), float(deaths[k]))
-            for k, medoid in zip(chosen.tolist(), medoids.tolist(), strict=True)
-        ]
+        births, deaths = lives(groups, self.edges_, self.times_, n_joined)
+        return concepts_of_groups(self.space_, groups, chosen, births, deaths)
+
+    def without_refusals(self) -> Filtration:
+        """Filtration of the same space in which nothing is refused: down to a single group."""
+        check_is_fitted(self)
+        whole = Filtration(self.min_concept_size, self.max_steps, self.heat, "annexations")
+        with warnings.catch_warnings():
+            # The groups at other times are of interest, even if there are no concepts at the paper's.
+            warnings.simplefilter("ignore", UserWarning)
+            whole._filter(self.space_)
+        return whole
 
     def labels_at(self, time: float, min_size: int | None = None) -> NDArray[np.int32]:
         """Number of each object's group at a time, in the order of `concepts_at`, -1 for none; (n,) int32.
@@ -282,30 +331,6 @@ class Filtration(ClusterMixin, BaseEstimator):
         joined = self.edges_[: np.searchsorted(self.times_, time, side="right")]
         groups = Groups.connected_by(joined, len(self.space_.multiplicities_), self.space_.vertices_)
         return groups, groups.of_size(smallest)
-
-    def _medoids(
-        self, groups: NDArray[np.int64], vertices: NDArray[np.int64], starts: NDArray[np.int64]
-    ) -> NDArray[np.int64]:
-        """First object at each group's place of smallest mean divergence to the group's objects."""
-        rows = self.space_.rows_
-        places = medoids_of_groups(
-            rows.indptr.astype(np.int64),
-            rows.indices.astype(np.int32),
-            rows.data,
-            rows.shape[1],
-            self.space_.multiplicities_,
-            vertices,
-            starts,
-            groups,
-        )
-        objects, object_starts = members_of_groups(self.space_.vertices_, rows.shape[0])
-        return objects[object_starts[places]]
-
-    def _labels(self, concepts: list[Concept]) -> NDArray[np.int32]:
-        labels = np.full(len(self.space_.vertices_), -1, np.int32)
-        for number, concept in enumerate(concepts):
-            labels[concept.members] = number
-        return labels
 
     def _steps(self) -> NDArray[np.int64]:
         """Step in which each annexation falls."""

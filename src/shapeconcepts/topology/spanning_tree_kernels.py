@@ -6,6 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.topology.inverted_index_kernels import inverted_index
 from shapeconcepts.topology.logarithm_kernels import BLOCK, shared_terms
 
 
@@ -49,20 +50,10 @@ def grow_spanning_tree(
         Bits, 0 to 1.
     """
     n = len(row_starts) - 1
-    list_starts = np.zeros(n_columns + 1, np.int64)
-    for column in columns:
-        list_starts[column + 1] += 1
-    for column in range(n_columns):
-        list_starts[column + 1] += list_starts[column]
-    list_ends = list_starts[:-1].copy()
-    listed_rows = np.empty(len(columns), np.uint32)
-    listed_values = np.empty(len(columns))
-    listed_terms = np.empty(len(columns))
-    for row in range(n):
-        for k in range(row_starts[row], row_starts[row + 1]):
-            end = list_ends[columns[k]]
-            listed_rows[end], listed_values[end], listed_terms[end] = row, values[k], value_terms[k]
-            list_ends[columns[k]] = end + 1
+    list_starts, listed_rows, listed_values, listed_terms = inverted_index(
+        row_starts, columns, values, value_terms, n_columns
+    )
+    list_ends = list_starts[1:].copy()
 
     sums, terms = np.empty(BLOCK), np.empty(BLOCK)
     mantissas, intervals = np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int64)

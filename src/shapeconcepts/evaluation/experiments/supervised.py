@@ -18,7 +18,7 @@ from shapeconcepts.evaluation.labelled_objects import LabelledObjects, Progress,
 from shapeconcepts.evaluation.metrics import GroupingScores, grouping_scores
 from shapeconcepts.evaluation.results import Floats, SupervisedResult
 from shapeconcepts.evaluation.splits import Split
-from shapeconcepts.model import ShapeConceptModel
+from shapeconcepts.topology import Filtration
 
 NUMBERS = (3, 5, 7, 9, 11, 13, 15, 18, 21, 24, 27, 30, 33, 36, 40, 45, 50, 56, 62, 68, 74)
 SIZES = (2, 3, 4, 6, 8)
@@ -53,6 +53,8 @@ def supervised_selection(
     random_state: int = 0,
 ) -> SupervisedResult:
     """Choose number and minimum size of concepts on each training part, then classify its test part.
+
+    Concepts are groups at a time of the filtration in which nothing is refused: refusals choose their number.
 
     Parameters
     ----------
@@ -126,12 +128,13 @@ def fold_surfaces(
     fitted, left_out = split
     model = fit([described[i] for i in fitted], preset)
     stimuli = model.stimuli([described[i] for i in left_out])
-    concept_numbers = ConceptNumbers.of(model.filtration_)
+    filtration = model.filtration_.without_refusals()
+    concept_numbers = ConceptNumbers.of(filtration)
     distances = ResponseDistances.of(model, stimuli)
     surfaces = Surfaces(*np.full((3, len(numbers), len(sizes)), np.nan))
     for i, number in enumerate(numbers):
         for j, size in enumerate(sizes):
-            concept_of = _concepts(model, concept_numbers, number, size)
+            concept_of = _concepts(filtration, concept_numbers, number, size)
             if concept_of is None:
                 continue
             scores = grouping_scores(concept_of, labels[fitted])
@@ -185,7 +188,8 @@ def _test(
 ) -> TestPart:
     training, test = split
     model = fit([described[i] for i in training], preset)
-    concept_of = _concepts(model, ConceptNumbers.of(model.filtration_), number, size)
+    filtration = model.filtration_.without_refusals()
+    concept_of = _concepts(filtration, ConceptNumbers.of(filtration), number, size)
     if concept_of is None:
         # The folds had that many concepts, the whole training part has not: as the model would choose.
         concept_of = model.labels_
@@ -196,13 +200,13 @@ def _test(
 
 
 def _concepts(
-    model: ShapeConceptModel, concept_numbers: ConceptNumbers, number: int, size: int
+    filtration: Filtration, concept_numbers: ConceptNumbers, number: int, size: int
 ) -> NDArray[np.int32] | None:
     """Concept of each training object when there are `number` concepts; None where there never are."""
     time = concept_numbers.time_of(number, size)
     if time is None:
         return None
-    return model.filtration_.labels_at(time, size)
+    return filtration.labels_at(time, size)
 
 
 def _mean(surfaces: Floats) -> Floats:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -20,7 +19,6 @@ from shapeconcepts.report.html.tree_layout import lay_out_tree
 from shapeconcepts.report.palette import NO_SEGMENT_COLOUR, SEGMENT_COLOURS
 from shapeconcepts.topology import Filtration
 from shapeconcepts.topology.divergence import jensen_shannon_divergences
-from shapeconcepts.topology.stopping import fair_numbers
 
 # All previews of a page together, so that the file stays under 25 MB however many scans there are.
 LARGEST_PREVIEWS = 15_000_000
@@ -93,7 +91,6 @@ def _filtration(filtration: Filtration) -> dict[str, Any]:
     n_vertices = len(space.multiplicities_)
     scale = TimeScale.of(filtration)
     step_ends, counts = annexation_counts(filtration, scale)
-    fewest, most = fair_numbers(int((space.vertices_ >= 0).sum()))
     return {
         "heatKind": filtration.heat,
         "stop": filtration.stop,
@@ -103,14 +100,14 @@ def _filtration(filtration: Filtration) -> dict[str, Any]:
         "edges": filtration.edges_.tolist(),
         "times": filtration.times_.tolist(),
         "annexations": filtration.annexations_.tolist(),
+        "refusedEdges": filtration.refused_edges_.tolist(),
+        "refusedTimes": filtration.refused_times_.tolist(),
         "graph": _rounded(
             lay_out_filtration(filtration.annexations_, scale.radii(filtration.times_), n_vertices)
         ),
         "stepEnds": step_ends,
         "stepCounts": counts,
         "conceptTime": filtration.concept_time_,
-        "stateEnd": _end_of_state(filtration),
-        "fairNumbers": [math.ceil(fewest), math.floor(most)],
         "minSize": int(filtration.min_concept_size),
     }
 
@@ -126,14 +123,6 @@ def _vertex_heat(filtration: Filtration, scale: TimeScale) -> NDArray[np.float64
     return (
         (positions - positions.min(initial=1)) / max(np.ptp(positions), 1e-9) if len(positions) else positions
     )
-
-
-def _end_of_state(filtration: Filtration) -> float | None:
-    """Time of the first annexation after concepts are taken, None where there is none."""
-    if filtration.concept_time_ is None:
-        return None
-    later = filtration.times_[filtration.times_ > filtration.concept_time_]
-    return float(later[0]) if len(later) else None
 
 
 def _shown(value: object) -> str:

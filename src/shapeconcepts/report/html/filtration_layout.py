@@ -1,9 +1,12 @@
-"""Places the filtration graph F around the class that outlives all others."""
+"""Places the filtration graph F around the classes that outlive all others."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+
+# Classes that are left, on the way from the middle to the last that was annexed.
+_INNER = 0.6
 
 
 def lay_out_filtration(
@@ -25,7 +28,8 @@ def lay_out_filtration(
     Returns
     -------
     (v, 2) float64
-        The last class is in the middle.
+        The last class is in the middle; several that are left are on a circle around it, each before the
+        classes that it annexed.
     """
     leaves = np.ones(n_vertices)
     has_child = np.zeros(n_vertices, bool)
@@ -38,11 +42,12 @@ def lay_out_filtration(
     per_leaf = 2 * np.pi / max(float(leaves[roots].sum()), 1.0)
     starts, angles = np.zeros(n_vertices), np.zeros(n_vertices)
     starts[roots] = (np.cumsum(leaves[roots]) - leaves[roots]) * per_leaf
+    angles[roots] = starts[roots] + leaves[roots] * per_leaf / 2
     # A class is placed after its survivor, which dies later.
     for dying, surviving in annexations[::-1].tolist():
         angles[dying] = starts[surviving] + leaves[dying] * per_leaf / 2
         starts[dying] = starts[surviving]
         starts[surviving] += leaves[dying] * per_leaf
-    radii = np.zeros(n_vertices)
+    radii = np.full(n_vertices, _INNER * death_radii.min(initial=1.0) if len(roots) > 1 else 0.0)
     radii[annexations[:, 0]] = death_radii
     return radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)

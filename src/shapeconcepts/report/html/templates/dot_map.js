@@ -24,9 +24,9 @@ function stroke(context, pairs, at) {
 }
 
 class DotMap {
-  // place: size of the canvas -> function from a vertex to its place; backdrop: drawn first.
-  constructor(canvas, { pairs, place, backdrop }) {
-    Object.assign(this, { canvas, pairs, place, backdrop });
+  // walls: pairs that never join; place: size of the canvas -> function from a vertex to its place; backdrop: drawn first.
+  constructor(canvas, { pairs, walls = [], place, backdrop }) {
+    Object.assign(this, { canvas, pairs, walls, place, backdrop });
     this.regions = concepts.map(() => []);
     for (const [a, b] of pairs) {
       if (rankOfVertex[a] >= 0 && rankOfVertex[a] === rankOfVertex[b]) this.regions[rankOfVertex[a]].push([a, b]);
@@ -82,6 +82,7 @@ class DotMap {
     context.strokeStyle = chosen !== null ? "#b3b7c0" : dot > 4.5 ? "#6b7280" : "#8a90a0";
     stroke(context, this.pairs.slice(0, nJoined), this.at);
     this.drawDots(context, chosen, dot);
+    this.drawWalls(context, dot);
     this.drawNumbers(context, chosen);
   }
 
@@ -109,6 +110,21 @@ class DotMap {
       context.stroke();
     }
     context.globalAlpha = 1;
+  }
+
+  // A bar across each line that never joins.
+  drawWalls(context, dot) {
+    context.lineWidth = 2;
+    context.strokeStyle = ACCENT;
+    context.beginPath();
+    for (const [a, b] of this.walls) {
+      const [[ax, ay], [bx, by]] = [this.at(a), this.at(b)];
+      const reach = 2.4 * dot / Math.max(Math.hypot(bx - ax, by - ay), 1e-9);
+      const [dx, dy] = [(ay - by) * reach, (bx - ax) * reach];
+      context.moveTo((ax + bx) / 2 - dx, (ay + by) / 2 - dy);
+      context.lineTo((ax + bx) / 2 + dx, (ay + by) / 2 + dy);
+    }
+    context.stroke();
   }
 
   drawNumbers(context, chosen) {

@@ -38,10 +38,10 @@ function gallery(group, firstNote) {
 function lifetimeBar(rank) {
   const concept = concepts[rank], birth = position(concept.birth), death = position(concept.death ?? 1);
   return element("span", { className: "life", title: `The strip is time${isRatio ? ", logarithmic, as below the barcode" : " from 0 to 1"}; `
-    + `the bar is this concept's lifetime, the mark the time of the concepts, ${shownTime(filtration.conceptTime)}.` },
+    + `the bar is this concept's lifetime${isBusiest ? `, the mark the time of the concepts, ${shownTime(filtration.conceptTime)}` : ""}.` },
     element("span", { className: "life-bar", style: { left: `${100 * birth}%`,
       width: `${Math.max(1, 100 * (death - birth))}%`, background: conceptColour(rank) } }),
-    element("span", { className: "life-mark", style: { left: `${100 * position(filtration.conceptTime)}%` } }));
+    isBusiest ? element("span", { className: "life-mark", style: { left: `${100 * position(filtration.conceptTime)}%` } }) : "");
 }
 
 function conceptCard(rank) {
@@ -84,7 +84,8 @@ function fillOutside(section) {
   if (loners.length) {
     section.append(element("h2", { textContent: "In no concept" }),
       element("p", { textContent: concepts.length
-        ? `${plural(loners.length, "scan")} had not joined ${filtration.minSize - 1} others or more by time ${shownTime(filtration.conceptTime)}. Their shapes are rare here, `
+        ? (isBusiest ? `${plural(loners.length, "scan")} had not joined ${filtration.minSize - 1} others or more by time ${shownTime(filtration.conceptTime)}. `
+          : `${plural(loners.length, "scan")} found fewer than ${filtration.minSize - 1} others. `) + "Their shapes are rare here, "
           + "in between, or were seen badly. Those that join another the soonest come first."
         : "There are no concepts, so all scans are here." }),
       element("div", { className: "card" }, gallery(loners)));

@@ -61,16 +61,18 @@ function fillGlance(section) {
     section.append(element("h2", { textContent: "No concepts this time" }), element("p", { textContent:
       nVertices < 2
         ? `All scans with something in common lie at ${nVertices === 1 ? "one place" : "no place at all"} of the space: there is nothing to tell apart.`
-        : `At no time do the scans fall into at least two groups of ${filtration.minSize} or more`
-          + (isBusiest ? " of which none holds more than half of them" : "") + ". More scans, or a smaller minimum size, may change that. What was found stands below." }));
+        : (isBusiest ? `At no time do the scans fall into at least two groups of ${filtration.minSize} or more of which none holds more than half of them`
+          : `No group of ${filtration.minSize} or more scans is left in the end`) + ". More scans, or a smaller minimum size, may change that. What was found stands below." }));
     return;
   }
   const tiles = concepts.map((_, rank) => rank).slice(0, 24).map(overviewTile);
   const grid = element("div", { className: "tiles" }, ...tiles);
   section.append(
     element("h2", { textContent: "What these objects have in common" }),
-    element("p", { textContent: "A shape concept is a group of scans that stay together for a while as likeness is taken ever "
-      + "more loosely. Here is the most typical scan of each, its medoid. Turn them; point at one to find it in every "
+    element("p", { textContent: (isBusiest
+      ? "A shape concept is a group of scans that stay together for a while as likeness is taken ever more loosely. "
+      : "A shape concept is a group of scans that are each other's nearest, however loosely likeness is taken. ")
+      + "Here is the most typical scan of each, its medoid. Turn them; point at one to find it in every "
       + "figure below, click to hold on to it." }),
     hasLabels ? legend(labels.map((label, i) => [labelColour(i), label]), "Labels of a concept’s scans:") : "",
     grid);

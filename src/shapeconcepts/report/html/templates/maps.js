@@ -25,8 +25,11 @@ function treeFigure() {
       ? "A scan is cold where it is many lines away from the rest: the tips of the twigs. The middle, near to all, is hot, "
         + "and there unlike things meet."
       : "Dark lines have joined by now. Coloured by separation, a dot is the more orange, the later it joins its first "
-        + "neighbour: such a scan stands apart."),
-    `Spanning tree of ${nVertices} places`, { pairs: filtration.edges, place });
+        + "neighbour: such a scan stands apart.")
+      + (nRefused ? " Across an orange bar nothing joins: the scans on its two sides are too seldom each other's nearest." : "")
+      + (isBusiest || !nRefused ? "" : " Scans at the border of a concept belong to the one whose nearest members are nearest, "
+        + "so that a few have another colour than those they hang on."),
+    `Spanning tree of ${nVertices} places`, { pairs: filtration.edges, walls: filtration.refusedEdges, place });
 }
 
 // As in time_scale.py.
@@ -56,7 +59,7 @@ function graphFigure() {
       context.fillStyle = "#8b8f99";
       context.fillText(text, cx, cy + r * radius(time) + 8);
     }
-    if (filtration.conceptTime !== null) {
+    if (isBusiest && filtration.conceptTime !== null) {
       context.setLineDash([5, 5]);
       ring(filtration.conceptTime, ACCENT, 1.2);
       context.setLineDash([]);
@@ -64,8 +67,9 @@ function graphFigure() {
     ring(state.time, ACCENT, 2.2);
   };
   return mapFigure("The filtration graph F: who annexed whom",
-    "The same dots, now by the time at which each was annexed: early at the rim, late towards the middle, where the one "
-    + "is left that outlives all. A line leads to the class that did it. The orange circle is now: every dot outside of it "
+    "The same dots, now by the time at which each was annexed: early at the rim, late towards the middle, where "
+    + (nRefused ? "those are left that were never annexed. A line" : "the one is left that outlives all. A line")
+    + " leads to the class that did it. The orange circle is now: every dot outside of it "
     + "has been annexed, and the dots that hang on the same one inside are a group.",
     `Filtration graph F with ${filtration.annexations.length} annexations`,
     { pairs: filtration.annexations, place, backdrop });

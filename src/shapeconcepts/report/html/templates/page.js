@@ -80,7 +80,8 @@ function fillHow(section) {
           ? "Then time runs: from the coldest twigs to the hot middle, neighbours join, and the larger group annexes the smaller. "
           : "Then time runs: neighbours join, those first that are the least apart, and the larger group annexes the smaller. The "
             + "larger both are, the more it takes. ")
-        + "At time 0 every scan is alone, at time 1 all are one; concepts lie in between. Pull the time and watch." })),
+        + (isBusiest ? "At time 0 every scan is alone, at time 1 all are one; concepts lie in between. Pull the time and watch."
+          : "Groups whose scans are seldom each other's nearest refuse to join; what is left at time 1 are the concepts. Pull the time and watch.") })),
     element("div", { className: "controls" }, timeControl(), colouringChoice()),
     element("div", { className: "pair" }, treeFigure(), graphFigure()),
     timelineFigure());

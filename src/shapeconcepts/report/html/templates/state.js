@@ -48,9 +48,9 @@ function ticks(room) {
   return taken.map((time) => [time, String(Number(time.toPrecision(2)))]);
 }
 
-// Words for the time at which the concepts are taken.
+// Concepts are either taken at the busiest step of time, or what is left in the end, as annexations are refused.
 const isBusiest = filtration.stop === "annexations";
-const stopName = filtration.conceptTime === null ? "" : isBusiest ? `ε_max ${shownTime(filtration.conceptTime)}` : `concepts ${shownTime(filtration.conceptTime)}`;
+const nRefused = filtration.refusedEdges.length;
 // Time at which each vertex has its first neighbour.
 const joinTimes = new Float64Array(nVertices).fill(Infinity);
 filtration.edges.forEach((ends, i) => ends.forEach((vertex) => { joinTimes[vertex] = Math.min(joinTimes[vertex], filtration.times[i]); }));

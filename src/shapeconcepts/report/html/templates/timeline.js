@@ -1,5 +1,5 @@
 // Annexation curve and barcode over one axis of time, with a cursor that can be pulled.
-const LEFT = 44, RIGHT = 14, CURVE = 130, GAP = 46, AXIS = 38, BAND = "#fbe9df";
+const LEFT = 44, RIGHT = 22, CURVE = 130, GAP = 46, AXIS = 38;
 // Where each row of the barcode begins, as a share of its height. Of many, the last are given more room: those that outlive
 // the others are what one looks for.
 const isCrowded = nVertices > 120;
@@ -7,7 +7,7 @@ const rowTop = (row) => (isCrowded ? 1 - Math.sqrt(1 - row / nVertices) : row / 
 const rowAt = (share) => Math.floor((isCrowded ? 1 - (1 - share) ** 2 : share) * nVertices);
 const barHeight = () => Math.max(120, Math.min(380, nVertices * 6));
 
-// Death of the class of each vertex; the one that is left never dies.
+// Death of the class of each vertex; those that are left never die.
 const deaths = new Float64Array(nVertices).fill(Infinity);
 filtration.annexations.forEach(([dying], i) => { deaths[dying] = filtration.times[i]; });
 const byDeath = Array.from({ length: nVertices }, (_, i) => i).sort((a, b) => deaths[a] - deaths[b] || a - b);
@@ -38,7 +38,7 @@ function timelineFigure() {
     const vertex = barAt(event);
     if (vertex === null) showTip(null);
     else {
-      const died = Number.isFinite(deaths[vertex]) ? `annexed at ${shownTime(deaths[vertex])}` : "outlives all";
+      const died = Number.isFinite(deaths[vertex]) ? `annexed at ${shownTime(deaths[vertex])}` : "never annexed";
       showTip(scansAt[vertex][0], event.clientX, event.clientY, died);
     }
     change({ hovered: vertex === null || rankOfVertex[vertex] < 0 ? null : rankOfVertex[vertex] });
@@ -51,24 +51,21 @@ function timelineFigure() {
     element("figcaption", { textContent:
       `Above: how many classes are annexed in each step of time. ${stopText()}`
       + "Below, one bar for each scan (persistent homology calls it the barcode of H₀): it lasts until its class is "
-      + "annexed by a larger one. Long bars are groups that hold their own."
+      + "annexed by a larger one" + (isBusiest ? ". Long bars are groups that hold their own." : "; those with an arrow are left in the end.")
       + (isCrowded ? " Their rows widen downwards, for those that last." : "")
       + (isRatio ? " The axis of time is logarithmic: equal distances are equal ratios of time." : "") }));
 }
 
-// How the time of the concepts was chosen.
+// What makes the concepts.
 function stopText() {
   const time = filtration.conceptTime;
-  if (time === null) return "";
   if (isBusiest) {
-    return `The concepts are taken at ε_max = ${shownTime(time)}, the busiest step of all `
+    return time === null ? "" : `The concepts are taken at ε_max = ${shownTime(time)}, the busiest step of all `
       + "those that leave at least two concepts and none with more than half of the scans. ";
   }
-  const [fewest, most] = filtration.fairNumbers, isFair = concepts.length >= fewest && concepts.length <= most;
-  const numbers = fewest === most ? fewest : `${fewest} to ${most}`;
-  const candidates = `those ${isFair ? "with" : "nearest to"} a fair number of concepts (${numbers} for ${nPlaced} scans)`;
-  return `The concepts are taken at time ${shownTime(time)}. What is there then stays as it is until ${shownTime(filtration.stateEnd)} `
-    + `(the orange band): in proportion to its time, the longest of ${candidates}. `;
+  return `Two groups join only if their scans are each other's nearest often enough; ${nRefused ? `${nRefused} of `
+    + `${plural(nRefused + filtration.times.length, "annexation")} ${nRefused === 1 ? "was" : "were"} refused (the marks on the line)` : "no annexation was refused"}. `
+    + (concepts.length ? `What is left in the end ${concepts.length === 1 ? "is the concept" : "are the concepts"}. ` : "");
 }
 
 function drawTimeline(canvas) {
@@ -79,12 +76,8 @@ function drawTimeline(canvas) {
   const top = CURVE + GAP;
   context.font = "11px system-ui, sans-serif";
   context.textBaseline = "middle";
-  if (!isBusiest && filtration.stateEnd !== null) {
-    context.fillStyle = BAND;
-    context.fillRect(x(filtration.conceptTime), 14, x(filtration.stateEnd) - x(filtration.conceptTime), top + barHeight() - 14);
-  }
   drawCurve(context, x);
-  drawBars(context, x, top, barHeight(), width);
+  drawBars(context, x, top, barHeight());
   context.fillStyle = "#5b6070";
   context.textAlign = "center";
   for (const [time, text] of ticks(44 / (width - LEFT - RIGHT))) {
@@ -125,20 +118,36 @@ function drawCurve(context, x) {
   context.moveTo(x(0), CURVE + 0.5);
   context.lineTo(x(1), CURVE + 0.5);
   context.stroke();
+  context.fillStyle = ACCENT;
+  for (const time of filtration.refusedTimes) {
+    context.beginPath();
+    context.moveTo(x(time), CURVE - 1);
+    context.lineTo(x(time) - 4, CURVE + 7);
+    context.lineTo(x(time) + 4, CURVE + 7);
+    context.fill();
+  }
   context.fillStyle = "#5b6070";
   context.textAlign = "right";
   context.fillText(most, LEFT - 6, y(most));
   context.fillText("0", LEFT - 6, CURVE);
 }
 
-function drawBars(context, x, top, height, width) {
+function drawBars(context, x, top, height) {
   const chosen = highlighted();
   const bar = (vertex, thinnest) => {
-    const end = Number.isFinite(deaths[vertex]) ? x(deaths[vertex]) : width;
+    const isLeft = !Number.isFinite(deaths[vertex]), end = isLeft ? x(1) : x(deaths[vertex]);
     const [from, to] = [rowTop(rowOf[vertex]), rowTop(rowOf[vertex] + 1)];
     const pitch = height * (to - from);
     const thick = Math.max(Math.min(pitch * (pitch > 3 ? 0.72 : 1), 7), thinnest);
-    context.fillRect(x(0), top + height * (from + to) / 2 - thick / 2, end - x(0), thick);
+    const middle = top + height * (from + to) / 2;
+    context.fillRect(x(0), middle - thick / 2, end - x(0), thick);
+    if (!isLeft) return;
+    const wide = Math.max(2.5, Math.min(5, pitch / 2));
+    context.beginPath();
+    context.moveTo(end + 10, middle);
+    context.lineTo(end, middle - wide);
+    context.lineTo(end, middle + wide);
+    context.fill();
   };
   context.globalAlpha = chosen === null ? 0.9 : 0.18;
   for (const vertex of byDeath) {
@@ -169,9 +178,9 @@ function drawCursor(context, x, top) {
     context.fillText(note, x(time) + (position(time) > 0.85 ? -4 : 4), 8);
   };
   const chosen = filtration.conceptTime;
-  if (chosen !== null) line(chosen, [5, 4], 1.2, stopName);
-  if (state.time !== chosen) {
-    const isNear = chosen !== null && Math.abs(position(chosen) - position(state.time)) < 0.1;
+  if (isBusiest && chosen !== null) line(chosen, [5, 4], 1.2, `ε_max ${shownTime(chosen)}`);
+  if (!isBusiest || state.time !== chosen) {
+    const isNear = isBusiest && chosen !== null && Math.abs(position(chosen) - position(state.time)) < 0.1;
     line(state.time, [], 2, isNear ? "" : shownTime(state.time));
   }
   context.beginPath();

@@ -1,0 +1,48 @@
+"""Kernel of the inverted index of sparse rows: for each column, the rows that have an entry there."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def inverted_index(
+    row_starts: NDArray[np.int64],
+    columns: NDArray[np.int32],
+    values: NDArray[np.float64],
+    value_terms: NDArray[np.float64],
+    n_columns: int,
+) -> tuple[NDArray[np.int64], NDArray[np.uint32], NDArray[np.float64], NDArray[np.float64]]:
+    """List the entries of a CSR matrix by column, rows rising.
+
+    Parameters
+    ----------
+    row_starts : (n + 1,) int64
+    columns : (k,) int32
+    values, value_terms : (k,) float64
+        Two numbers for each entry.
+    n_columns : int
+
+    Returns
+    -------
+    list_starts : (n_columns + 1,) int64
+    listed_rows : (k,) uint32
+    listed_values, listed_terms : (k,) float64
+    """
+    list_starts = np.zeros(n_columns + 1, np.int64)
+    for column in columns:
+        list_starts[column + 1] += 1
+    for column in range(n_columns):
+        list_starts[column + 1] += list_starts[column]
+    list_ends = list_starts[:-1].copy()
+    listed_rows = np.empty(len(columns), np.uint32)
+    listed_values = np.empty(len(columns))
+    listed_terms = np.empty(len(columns))
+    for row in range(len(row_starts) - 1):
+        for k in range(row_starts[row], row_starts[row + 1]):
+            end = list_ends[columns[k]]
+            listed_rows[end], listed_values[end], listed_terms[end] = row, values[k], value_terms[k]
+            list_ends[columns[k]] = end + 1
+    return list_starts, listed_rows, listed_values, listed_terms

@@ -1,0 +1,80 @@
+"""Neighbourhoods: the objects that are nearest to each object of a topological space."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts.topology.inverted_index_kernels import inverted_index
+from shapeconcepts.topology.neighbourhood_kernels import most_similar_rows
+from shapeconcepts.topology.space import TopologicalSpace
+
+NEIGHBOURS_PER_ROOT = 3.0
+# Fewer neighbours say too little about a class.
+FEWEST_NEIGHBOURS = 36
+# So that the memory for sorting stays small.
+_ROWS_AT_ONCE = 2048
+
+
+class Neighbourhoods(NamedTuple):
+    """The K nearest others of each object, by vertex of a space.
+
+    Attributes
+    ----------
+    n_neighbours : int
+        K. An object has fewer where fewer have anything in common with it.
+    starts : (v + 1,) int64
+    nearest : (k,) int32
+        Vertices with neighbours of vertex i, from ``starts[i]`` to ``starts[i + 1]``, the nearest first.
+    divergences : (k,) float64
+        To these, bits, below 1.
+    """
+
+    n_neighbours: int
+    starts: NDArray[np.int64]
+    nearest: NDArray[np.int32]
+    divergences: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, space: TopologicalSpace) -> Neighbourhoods:
+        """Neighbourhoods in a fitted space.
+
+        Vertices are taken, the nearest first and of equally near ones the first, until they hold K objects
+        beside one of the vertex itself.
+        """
+        n, n_neighbours = len(space.multiplicities_), neighbourhood_size(int(space.multiplicities_.sum()))
+        matrix = (
+            space.rows_.indptr.astype(np.int64),
+            space.rows_.indices.astype(np.int32),
+            space.rows_.data,
+            space.rows_.data * np.log2(space.rows_.data),
+        )
+        index = inverted_index(*matrix, space.rows_.shape[1])
+        # The last is for lists that end early.
+        objects = np.append(space.multiplicities_, 0)
+        lengths, nearest, divergences = [], [], []
+        for first in range(0, n, _ROWS_AT_ONCE):
+            last = min(first + _ROWS_AT_ONCE, n)
+            rows, far = most_similar_rows(first, last, min(n_neighbours, n), *matrix, *index)
+            order = np.lexsort((rows, far))
+            rows, far = np.take_along_axis(rows, order, axis=1), np.take_along_axis(far, order, axis=1)
+            before = np.cumsum(objects[rows], axis=1) - objects[rows] + objects[first:last, None] - 1
+            is_near = (before < n_neighbours) & (rows < n)
+            lengths.append(is_near.sum(axis=1))
+            nearest.append(rows[is_near])
+            divergences.append(far[is_near])
+        starts = np.concatenate([[0], np.cumsum(np.concatenate([[], *lengths]))]).astype(np.int64)
+        return cls(
+            n_neighbours,
+            starts,
+            np.concatenate([np.empty(0, np.int32), *nearest]),
+            np.concatenate([np.empty(0), *divergences]),
+        )
+
+
+def neighbourhood_size(n_objects: int) -> int:
+    """Number of an object's neighbours: 3 sqrt(n), at least 36, but no more than half of all objects."""
+    wanted = max(round(NEIGHBOURS_PER_ROOT * n_objects**0.5), FEWEST_NEIGHBOURS)
+    return max(min(wanted, n_objects // 2), 1)
