@@ -24,6 +24,8 @@ COMMANDS = (
     "stimuli_ablation.py --repeats 2",
     "concept_quality.py",
     "concept_ablation.py",
+    "concept_mixing.py",
+    "novelty.py",
     "motif_rigid_motion.py",
     "motif_speed.py",
     "spanning_tree.py --large --scipy",

@@ -23,7 +23,7 @@ from concept_scores import SETS, median_scores, on_splits, pooled_svm_error, sca
 from shapeconcepts import ShapeConceptModel, describe, segment
 from shapeconcepts.evaluation import stratified_splits
 
-SEEDS = (200,)
+SEEDS = (100,)
 REPEATS = 5
 N_SUBSETS = 10
 DESCRIPTORS = ("surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature")

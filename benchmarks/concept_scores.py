@@ -79,24 +79,35 @@ def median_scores(results: Sequence[SplitResult]) -> GroupingScores:
     return GroupingScores(*np.nanmedian([list(vars(one.scores).values()) for one in results], axis=0))
 
 
-def stability(learn: Learn, described: Sequence[DescribedObject], n_subsets: int) -> float:
-    """Median adjusted Rand index between concepts learned from two random 90 % of the objects.
-
-    It is taken over all pairs of subsets, each on the objects that both have. An object in no concept is a
-    concept of its own.
-    """
+def random_subsets(n: int, n_subsets: int) -> list[NDArray[np.int64]]:
+    """Random 90 % of n objects, rising."""
     rng = np.random.default_rng(0)
-    n = len(described)
-    groupings = []
-    for _ in range(n_subsets):
-        subset = np.sort(rng.permutation(n)[: round(SUBSET_SHARE * n)])
-        labels = learn([described[i] for i in subset]).labels_
+    return [np.sort(rng.permutation(n)[: round(SUBSET_SHARE * n)]) for _ in range(n_subsets)]
+
+
+def stability(learn: Learn, described: Sequence[DescribedObject], n_subsets: int) -> float:
+    """Median adjusted Rand index between concepts learned from two random 90 % of the objects."""
+    subsets = random_subsets(len(described), n_subsets)
+    groupings = [(subset, learn([described[i] for i in subset]).labels_) for subset in subsets]
+    return grouping_stability(groupings, len(described))
+
+
+def grouping_stability(
+    groupings: Sequence[tuple[NDArray[np.int64], NDArray[np.int32]]], n_objects: int
+) -> float:
+    """Median adjusted Rand index between groupings of subsets, given as objects and their groups.
+
+    It is taken over all pairs of subsets, each on the objects that both have. An object in no group is a
+    group of its own.
+    """
+    spread = []
+    for subset, labels in groupings:
         # -1 for objects that are not in the subset.
-        grouping = np.full(n, -1)
-        grouping[subset] = np.where(labels >= 0, labels, n + np.arange(len(labels)))
-        groupings.append(grouping)
+        grouping = np.full(n_objects, -1)
+        grouping[subset] = np.where(labels >= 0, labels, n_objects + np.arange(len(labels)))
+        spread.append(grouping)
     indices = []
-    for one, other in combinations(groupings, 2):
+    for one, other in combinations(spread, 2):
         shared = (one >= 0) & (other >= 0)
         indices.append(adjusted_rand_score(one[shared], other[shared]))
     return float(np.median(indices))

@@ -61,7 +61,7 @@ def measure(edges: NDArray[np.int32], lengths: str, heat: str) -> tuple[list[flo
     moments = [time.perf_counter()]
     space._set_heat()
     moments.append(time.perf_counter())
-    filtration = Filtration(heat=heat, stop="lifetime" if heat == "separation" else "annexations")
+    filtration = Filtration(heat=heat, stop="annexations")
     filtration._filter(space)
     moments.append(time.perf_counter())
     filtration.concepts_at(0.5)

@@ -1,12 +1,13 @@
-"""Time and memory of the spanning tree of rows like stimuli, and how they grow.
+"""Time and memory of the spanning tree and the neighbourhoods of rows like stimuli, and how they grow.
 
     python benchmarks/spanning_tree.py [--large] [--scipy]
 
 A row has 30 entries of 3,000 columns, drawn without replacement with chances of 1 / rank, so that the first
 few columns are in nearly every row. Measured is `TopologicalSpace.fit`: canonical order, tree and heat, with
 warm kernels, at 2,000 and 20,000 rows; with --large also at 100,000, which takes minutes. "memory" is how far
-the largest resident memory rises during the call (Linux). --scipy has SciPy compute all Jensen-Shannon
-distances of 2,000 rows and their tree. The bars: 0.15 s; 10 s and 500 MB; 5 minutes and 2,000 MB.
+the largest resident memory rises during the call (Linux). "neighbours": the same of `Neighbourhoods.of`,
+which is run once. --scipy has SciPy compute all Jensen-Shannon distances of 2,000 rows and their tree. The
+bars: 0.15 s; 10 s and 500 MB; 5 minutes and 2,000 MB.
 """
 
 import os
@@ -24,6 +25,7 @@ from scipy.spatial.distance import pdist, squareform
 
 from common import command, print_table
 from shapeconcepts import TopologicalSpace
+from shapeconcepts.topology.neighbourhood import Neighbourhoods
 
 N_COLUMNS = 3_000
 N_ENTRIES = 30
@@ -49,8 +51,8 @@ def resident(field: str) -> float:
     return 1024 * int(re.search(rf"{field}:\s+(\d+)", status).group(1)) / 1e6
 
 
-def measure(n: int) -> tuple[float, float, float]:
-    """Seconds (median), memory in MB, and the weight of the tree."""
+def measure(n: int) -> tuple[float, float, float, float, float]:
+    """Of the tree seconds (median), memory in MB and weight; of the neighbourhoods seconds and memory."""
     rows = make_rows(n)
     Path("/proc/self/clear_refs").write_text("5")
     before = resident("VmRSS")
@@ -59,7 +61,14 @@ def measure(n: int) -> tuple[float, float, float]:
         start = time.perf_counter()
         space = TopologicalSpace().fit(rows)
         seconds.append(time.perf_counter() - start)
-    return float(np.median(seconds)), resident("VmHWM") - before, space.divergences_.sum()
+    memory = resident("VmHWM") - before
+    Path("/proc/self/clear_refs").write_text("5")
+    before = resident("VmRSS")
+    start = time.perf_counter()
+    neighbourhoods = Neighbourhoods.of(space)
+    of_neighbours = time.perf_counter() - start, resident("VmHWM") - before
+    assert len(neighbourhoods.starts) == n + 1
+    return float(np.median(seconds)), memory, space.divergences_.sum(), *of_neighbours
 
 
 def scipy_tree(n: int) -> tuple[float, float]:
@@ -76,16 +85,18 @@ def main() -> None:
     parser.add_argument("--scipy", action="store_true", help="also SciPy, at 2,000 rows")
     options = parser.parse_args()
     sizes = [2_000, 5_000, 20_000, *([100_000] if options.large else [])]
-    TopologicalSpace().fit(make_rows(100))
+    Neighbourhoods.of(TopologicalSpace().fit(make_rows(100)))
     table, times = [], []
     for n in sizes:
-        seconds, memory, weight = measure(n)
+        seconds, memory, weight, *of_neighbours = measure(n)
         times.append(seconds)
-        table.append([n, f"{seconds:.3f}", f"{memory:.0f}", f"{weight:.6f}"])
+        cells = (f"{seconds:.3f}", f"{memory:.0f}", f"{weight:.6f}")
+        table.append([n, *cells, f"{of_neighbours[0]:.3f}", f"{of_neighbours[1]:.0f}"])
     if options.scipy:
         seconds, weight = scipy_tree(2_000)
-        table.append(["2000, SciPy", f"{seconds:.3f}", "", f"{weight:.6f}"])
-    print_table(("rows", "time, s", "memory, MB", "weight of the tree"), table)
+        table.append(["2000, SciPy", f"{seconds:.3f}", "", f"{weight:.6f}", "", ""])
+    titles = ("time, s", "memory, MB", "weight of the tree", "neighbours, s", "neighbours, MB")
+    print_table(("rows", *titles), table)
     print(
         f"exponent of the time over the number of rows: {np.polyfit(np.log(sizes), np.log(times), 1)[0]:.2f}"
     )
