@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from shapeconcepts.descriptors import FPFH, compute_fpfh
@@ -33,6 +33,27 @@ def pair_feature(p, n, q, m):
 
 def bin_of(value, low, high):
     return min(max(math.floor(11 * (value - low) / (high - low)), 0), 10)
+
+
+def hangs_on_rounding(points, normals):
+    """Whether single precision may decide otherwise on the source of a pair, its frame, or its bins."""
+    for i in range(len(points)):
+        for j in range(len(points)):
+            d = points[j] - points[i]
+            angles = abs(normals[i] @ d), abs(normals[j] @ d)
+            if min(angles) > 0 and abs(angles[0] - angles[1]) < 1e-5 * np.linalg.norm(d):
+                return True
+            if max(angles) > (1 - 1e-5) * np.linalg.norm(d) > 0:
+                return True
+            theta, alpha, phi = pair_feature(points[i], normals[i], points[j], normals[j])
+            for position in (
+                11 * (theta + math.pi) / (2 * math.pi),
+                11 * (alpha + 1) / 2,
+                11 * (phi + 1) / 2,
+            ):
+                if 0 < round(position) < 11 and abs(position - round(position)) < 1e-5:
+                    return True
+    return False
 
 
 def slow_fpfh(points, normals, radius):
@@ -67,6 +88,7 @@ def test_agrees_with_slow_version(seed, n, radius):
     points, normals = random_surface(seed, n)
     points[::7] = points[0]
     normals[::5] = 0
+    assume(not hangs_on_rounding(points, normals))
     np.testing.assert_allclose(
         compute_fpfh(points, normals, radius), slow_fpfh(points, normals, radius), rtol=1e-5, atol=1e-5
     )

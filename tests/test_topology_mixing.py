@@ -47,6 +47,8 @@ def neighbours_of(space: TopologicalSpace, n_neighbours: int) -> list[list[int]]
         patch.object(neighbourhood, "_ROWS_AT_ONCE", 7),
     ):
         found = Neighbourhoods.of(space)
+    if len(found.starts) == 1:
+        return []
     dense = space.rows_.toarray()
     lists = np.split(found.nearest, found.starts[1:-1])
     for vertex, (ours, divergences) in enumerate(

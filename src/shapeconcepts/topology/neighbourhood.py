@@ -54,24 +54,21 @@ class Neighbourhoods(NamedTuple):
         index = inverted_index(*matrix, space.rows_.shape[1])
         # The last is for lists that end early.
         objects = np.append(space.multiplicities_, 0)
-        lengths, nearest, divergences = [], [], []
+        # Memory that is not written to takes no room.
+        most = min(n_neighbours, n)
+        nearest, divergences = np.empty(n * most, np.int32), np.empty(n * most)
+        starts = np.zeros(n + 1, np.int64)
         for first in range(0, n, _ROWS_AT_ONCE):
             last = min(first + _ROWS_AT_ONCE, n)
-            rows, far = most_similar_rows(first, last, min(n_neighbours, n), *matrix, *index)
+            rows, far = most_similar_rows(first, last, most, *matrix, *index)
             order = np.lexsort((rows, far))
             rows, far = np.take_along_axis(rows, order, axis=1), np.take_along_axis(far, order, axis=1)
             before = np.cumsum(objects[rows], axis=1) - objects[rows] + objects[first:last, None] - 1
             is_near = (before < n_neighbours) & (rows < n)
-            lengths.append(is_near.sum(axis=1))
-            nearest.append(rows[is_near])
-            divergences.append(far[is_near])
-        starts = np.concatenate([[0], np.cumsum(np.concatenate([[], *lengths]))]).astype(np.int64)
-        return cls(
-            n_neighbours,
-            starts,
-            np.concatenate([np.empty(0, np.int32), *nearest]),
-            np.concatenate([np.empty(0), *divergences]),
-        )
+            starts[first + 1 : last + 1] = starts[first] + np.cumsum(is_near.sum(axis=1))
+            nearest[starts[first] : starts[last]] = rows[is_near]
+            divergences[starts[first] : starts[last]] = far[is_near]
+        return cls(n_neighbours, starts, nearest[: starts[n]], divergences[: starts[n]])
 
 
 def neighbourhood_size(n_objects: int) -> int:
