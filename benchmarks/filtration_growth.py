@@ -5,10 +5,11 @@
 Kinds of tree: "attached" joins each vertex to a random earlier one, which gives hubs and short ways; "long"
 joins it to one of the ten before it; "star" joins all to one, with equal lengths. The other lengths are
 random. Every vertex is an object, whose row has 3 of 30 columns. "heat" is the geodesic one; "filtration" is
-what `Filtration.fit` does after it: separations, annexations, the time of concepts, and the concepts at that
-time, with births, deaths, medoids and labels. "concepts" are those of at least three
-objects at half of the time, "all groups" those of at least one. Shown is the mean of two runs in one thread,
-with warm kernels. The bar is 5 s for the sum of heat and filtration at a million.
+what `Filtration.fit` does after it where nothing is refused: separations, annexations, the time of concepts,
+and the concepts at that time, with births, deaths, medoids and labels (what refusals need beside it,
+spanning_tree.py measures). "concepts" are those of at least three objects at half of the time, "all groups"
+those of at least one. Shown is the mean of two runs in one thread, with warm kernels. The bar is 5 s for the
+sum of heat and filtration at a million.
 """
 
 import os

@@ -242,7 +242,7 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         return self.response_.transform(self.stimuli(X))
 
     def predict(self, X: Iterable[object]) -> NDArray[np.int64]:
-        """Concept of the most alike training scan, -1 for a scan that is unlike all of them.
+        """Concept whose ten nearest training scans are nearest on average, -1 for a scan unlike all.
 
         Parameters, errors and warnings are those of `transform`.
 

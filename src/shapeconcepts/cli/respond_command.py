@@ -65,9 +65,9 @@ def respond(
 ) -> None:
     """Say how much scans resemble each concept of a model: the smaller a response, the more alike.
 
-    For each scan: the concept of the training scan that is most alike, by name or number, or "unknown" where
-    none is near; and the response of each concept, which is the mean distance to its members (nothing where
-    the scan has nothing that the model knows).
+    For each scan: the concept whose ten nearest training scans are nearest on average, by name or number, or
+    "unknown" where no scan is near; and the response of each concept, which is the mean distance to its
+    members (nothing where the scan has nothing that the model knows).
 
     Scans that cannot be used are skipped and listed at the end. The exit code is 0 if there is a response,
     1 if not, and 2 if the command line is wrong.

@@ -14,14 +14,12 @@ from sklearn.utils.validation import check_is_fitted, check_non_negative, valida
 
 from shapeconcepts.parameter_checks import check_choice
 from shapeconcepts.topology.divergence import jensen_shannon_divergences, normalised_rows
+from shapeconcepts.topology.settling import N_NEAREST
 from shapeconcepts.topology.space import TopologicalSpace
 
 DISTANCES = ("divergence", "mahalanobis")
 MAX_COMPONENTS = 30
 VARIANCE_KEPT = 0.95
-# Prototypes of a concept that a row is compared with to predict: one may be odd, and all of them say little
-# about a large concept's rim.
-N_NEAREST = 10
 # Above so many entries the dense matrix is not formed.
 _DENSE_ENTRIES = 2_000_000
 

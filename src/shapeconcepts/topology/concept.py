@@ -1,4 +1,4 @@
-"""A shape concept: objects that belong together for a while of the filtration."""
+"""A shape concept: objects that belong together in a filtration."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 @dataclass(eq=False)
 class Concept:
     """A group of objects at a time of a filtration (paper: a connected component of the filtration graph).
+
+    The concepts of a filtration with refusals have settled: a few members come from other groups.
 
     Attributes
     ----------

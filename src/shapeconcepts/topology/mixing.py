@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
 
 from shapeconcepts.topology.mixing_kernels import refused_edges
 from shapeconcepts.topology.neighbourhood import Neighbourhoods
@@ -45,12 +46,17 @@ def refusals(
     (e,) bool
         In this order.
     """
+    starts, nearest = neighbourhoods.starts, neighbourhoods.nearest
+    shape = (len(starts) - 1, len(starts) - 1)
+    reverse = csr_matrix((np.ones(len(nearest), bool), nearest, starts), shape).tocsc()
     return refused_edges(
         space.edges_[order],
         space.divergences_[order],
         space.multiplicities_,
-        neighbourhoods.starts,
-        neighbourhoods.nearest,
+        starts,
+        nearest,
+        reverse.indptr.astype(np.int64),
+        reverse.indices,
         neighbourhoods.n_neighbours,
         LEAST_MIXING,
         max(min_concept_size, SMALL_PART * neighbourhoods.n_neighbours),

@@ -19,6 +19,8 @@ def refused_edges(
     sizes: NDArray[np.int64],
     starts: NDArray[np.int64],
     nearest: NDArray[np.int32],
+    reverse_starts: NDArray[np.int64],
+    reverse: NDArray[np.int32],
     n_neighbours: int,
     least_mixing: float,
     least_size: float,
@@ -36,6 +38,9 @@ def refused_edges(
     starts : (v + 1,) int64
     nearest : (k,) int32
         Neighbours of each vertex, as in `Neighbourhoods`.
+    reverse_starts : (v + 1,) int64
+    reverse : (k,) int32
+        In the same form, of whom each vertex is a neighbour.
     n_neighbours : int
         Objects in a neighbourhood.
     least_mixing : float
@@ -47,7 +52,6 @@ def refused_edges(
     (e,) bool
         The edges that are refused: the classes at their ends at that time stay apart.
     """
-    reverse_starts, reverse = _reversed(starts, nearest)
     parents = np.arange(len(sizes)).astype(np.int32)
     objects = sizes.copy()
     # Members of a class: a chain from its root.
@@ -94,22 +98,3 @@ def _objects_in(
         if find(parents, vertex) == root:
             n += sizes[vertex]
     return n
-
-
-@njit(cache=True)
-def _reversed(
-    starts: NDArray[np.int64], nearest: NDArray[np.int32]
-) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
-    """Of whom each vertex is a neighbour, in the same form."""
-    n = len(starts) - 1
-    reverse_starts = np.zeros(n + 1, np.int64)
-    for vertex in nearest:
-        reverse_starts[vertex + 1] += 1
-    reverse_starts = np.cumsum(reverse_starts)
-    ends = reverse_starts[:-1].copy()
-    reverse = np.empty(len(nearest), np.int32)
-    for vertex in range(n):
-        for k in range(starts[vertex], starts[vertex + 1]):
-            reverse[ends[nearest[k]]] = vertex
-            ends[nearest[k]] += 1
-    return reverse_starts, reverse

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from shapeconcepts.topology.logarithm_kernels import BLOCK, shared_terms
+from shapeconcepts.topology.inverted_index_kernels import add_similarities
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -47,24 +47,15 @@ def most_similar_rows(
         Bits, below 1; infinite where there is no row.
     """
     n = len(row_starts) - 1
-    sums, terms = np.empty(BLOCK), np.empty(BLOCK)
-    mantissas, intervals = np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int64)
     similarity = np.zeros(n)
     rows = np.full((last - first, n_kept), n, np.int32)
     divergences = np.full((last - first, n_kept), np.inf)
     kept_similarities = np.empty(n_kept)
     for row in range(first, last):
-        for k in range(row_starts[row], row_starts[row + 1]):
-            start, end = list_starts[columns[k]], list_starts[columns[k] + 1]
-            while start < end:
-                count = min(BLOCK, end - start)
-                shared_terms(
-                    count, listed_values, listed_terms, start, values[k], value_terms[k],
-                    sums, mantissas, intervals, terms,
-                )  # fmt: skip
-                for b in range(count):
-                    similarity[listed_rows[np.uint64(start + b)]] += terms[b]
-                start += count
+        add_similarities(
+            row, row_starts, columns, values, value_terms,
+            list_starts, list_starts[1:], listed_rows, listed_values, listed_terms, similarity,
+        )  # fmt: skip
         similarity[row] = 0.0
         kept = rows[row - first]
         n_found = 0

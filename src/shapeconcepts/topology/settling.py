@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from shapeconcepts.topology.neighbourhood import Neighbourhoods
 from shapeconcepts.topology.settling_kernels import settle_vertices
 
+# One member may be odd, and all of them say little about a large concept's rim.
 N_NEAREST = 10
 # Nearly always there are fewer than ten; objects that change places for ever are stopped.
 MAX_ROUNDS = 50

@@ -6,8 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from shapeconcepts.topology.inverted_index_kernels import inverted_index
-from shapeconcepts.topology.logarithm_kernels import BLOCK, shared_terms
+from shapeconcepts.topology.inverted_index_kernels import add_similarities, inverted_index
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -55,8 +54,6 @@ def grow_spanning_tree(
     )
     list_ends = list_starts[1:].copy()
 
-    sums, terms = np.empty(BLOCK), np.empty(BLOCK)
-    mantissas, intervals = np.empty(BLOCK, np.int64), np.empty(BLOCK, np.int64)
     similarity = np.zeros(n)
     largest = np.full(n, -1.0)
     nearest = np.zeros(n, np.int32)
@@ -85,17 +82,10 @@ def grow_spanning_tree(
                         listed_terms[end] = listed_terms[k]
                         end += 1
                 list_ends[column] = end
-        for k in range(row_starts[joined], row_starts[joined + 1]):
-            start, end = list_starts[columns[k]], list_ends[columns[k]]
-            while start < end:
-                count = min(BLOCK, end - start)
-                shared_terms(
-                    count, listed_values, listed_terms, start, values[k], value_terms[k],
-                    sums, mantissas, intervals, terms,
-                )  # fmt: skip
-                for b in range(count):
-                    similarity[listed_rows[np.uint64(start + b)]] += terms[b]
-                start += count
+        add_similarities(
+            joined, row_starts, columns, values, value_terms,
+            list_starts, list_ends, listed_rows, listed_values, listed_terms, similarity,
+        )  # fmt: skip
         best = -1
         for k in range(n_outside):
             row = outside[k]
