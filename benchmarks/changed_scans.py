@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from shapeconcepts import Scan
-from shapeconcepts.datasets.sensor_model import SensorModel
 from shapeconcepts.preparation import PreparedObject, prepare
 from shapeconcepts.preparation.sensor_direction import estimate_viewpoint
+from shapeconcepts.simulation.sensor_model import SensorModel
 
 Change = Callable[[Scan, np.random.Generator], Scan]
 

@@ -22,8 +22,9 @@ from scipy.sparse import csr_matrix
 from common import command, print_table
 from concept_scores import SETS, grouping_stability, random_subsets, scans_by_set
 from shapeconcepts import DescribedObject, Filtration, ShapeConceptModel, describe, segment
+from shapeconcepts.concepts import mixing
 from shapeconcepts.evaluation import grouping_scores, stratified_splits
-from shapeconcepts.topology import mixing, neighbourhood
+from shapeconcepts.topology import neighbourhood
 
 SEEDS = range(100, 108)
 N_SUBSETS = 10

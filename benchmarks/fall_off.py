@@ -22,10 +22,10 @@ from PIL import Image, ImageDraw, ImageFont
 
 from common import command, print_table
 from shapeconcepts import Scan, ScanError, datasets, segment
-from shapeconcepts.datasets.shapes import Mesh
-from shapeconcepts.datasets.shapes.box import rounded_box
-from shapeconcepts.datasets.shapes.mesh import ellipsoid, revolve
 from shapeconcepts.report import draw_segments
+from shapeconcepts.simulation.shapes import Mesh
+from shapeconcepts.simulation.shapes.box import rounded_box
+from shapeconcepts.simulation.shapes.mesh import ellipsoid, revolve
 from true_parts import acceptable_counts, compare
 
 SIZES = (0.04, 0.05, 0.06, 0.08, 0.10, 0.14, 0.20, 0.30)

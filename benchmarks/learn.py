@@ -22,7 +22,7 @@ import time
 from pathlib import Path
 
 from common import add_folder, command, print_table
-from shapeconcepts.io import find_scan_files
+from shapeconcepts.sources import find_scan_files
 
 COMMAND = Path(sys.executable).with_name("shapeconcepts")
 

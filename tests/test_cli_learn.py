@@ -15,10 +15,10 @@ from typer.testing import CliRunner
 import shapeconcepts
 from shapeconcepts.cli import app, object_reader
 from shapeconcepts.cli.object_reader import useful_jobs
-from shapeconcepts.datasets.osd import is_labelled_scene
 from shapeconcepts.io.write_pcd import write_pcd
 from shapeconcepts.scan import Scan, ScanError
 from shapeconcepts.segmentation import segment_cache
+from shapeconcepts.sources.osd import is_labelled_scene
 
 COMMAND = Path(sys.executable).with_name("shapeconcepts")
 CATEGORIES = ("ball", "box", "can")

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import jensenshannon
 
 from shapeconcepts.descriptors import FPFH, Description, Descriptor, Joint, Surflet, get_descriptor
-from shapeconcepts.descriptors.surface import normals_within
+from shapeconcepts.geometry.surface import normals_within
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from shapeconcepts.descriptors.surface import normals_within
+from shapeconcepts.geometry.surface import normals_within
 
 
 def unit(vectors):

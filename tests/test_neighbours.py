@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy.spatial import cKDTree
 
-from shapeconcepts.neighbour_kernels import restrict
-from shapeconcepts.neighbours import cell_grid, radius_neighbours, sorting_order
+from shapeconcepts.geometry.neighbour_kernels import restrict
+from shapeconcepts.geometry.neighbours import cell_grid, radius_neighbours, sorting_order
 
 
 def tree_neighbours(points: np.ndarray, radius: float) -> list[list[int]]:

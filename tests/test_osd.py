@@ -5,8 +5,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from shapeconcepts.datasets.osd import load_osd
 from shapeconcepts.scan import ScanError
+from shapeconcepts.sources.osd import load_osd
 
 
 def write_scene(path, rows, fields="x y z label", types="F F F U"):

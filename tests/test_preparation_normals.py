@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from shapeconcepts.neighbours import radius_neighbours
-from shapeconcepts.preparation.normal_kernels import principal_component_normals, smallest_eigenvectors
+from shapeconcepts.geometry.neighbours import radius_neighbours
+from shapeconcepts.geometry.normal_kernels import principal_component_normals, smallest_eigenvectors
 
 seeds = st.integers(0, 2**32 - 1)
 

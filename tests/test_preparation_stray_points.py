@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from scipy.sparse import coo_array
 from scipy.sparse import csgraph as scipy_csgraph
 
-from shapeconcepts.neighbours import Neighbours, radius_neighbours
+from shapeconcepts.geometry.neighbours import Neighbours, radius_neighbours
 from shapeconcepts.preparation.component_kernels import connected_components
 from shapeconcepts.preparation.stray_points import stray_points
 

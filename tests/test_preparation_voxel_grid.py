@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from shapeconcepts.preparation.canonical_frame import canonical_coordinates
+from shapeconcepts.geometry.canonical_frame import canonical_coordinates
 from shapeconcepts.preparation.voxel_grid import adaptive_voxel_grid, voxel_grid
 
 seeds = st.integers(0, 2**32 - 1)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from shapeconcepts.io import read_scan
 from shapeconcepts.scan import ScanError
+from shapeconcepts.sources import read_scan
 
 
 def chunk(kind, content):

@@ -13,8 +13,8 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from shapeconcepts.io import SCAN_SUFFIXES, read_scan
 from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.sources import SCAN_SUFFIXES, read_scan
 
 MEGABYTE = 2**20
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from shapeconcepts.datasets import sensor
-from shapeconcepts.io import read_scan
 from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.simulation import sensor
+from shapeconcepts.sources import read_scan
 
 SUFFIXES = ["obj", "stl", "off", "glb", "ply"]
 # A unit square and a triangle beside it, in cm around (1, 2, 3).

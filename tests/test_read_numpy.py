@@ -6,8 +6,8 @@ import zipfile
 import numpy as np
 import pytest
 
-from shapeconcepts.io import read_scan
 from shapeconcepts.scan import ScanError
+from shapeconcepts.sources import read_scan
 
 POINTS = np.random.default_rng(0).normal(0, 0.05, (100, 3)) + np.array([0, 0, 0.8])
 

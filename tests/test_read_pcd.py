@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shapeconcepts.io import read_scan
 from shapeconcepts.scan import ScanError
+from shapeconcepts.sources import read_scan
 
 ENCODINGS = ["ascii", "binary", "binary_compressed"]
 CODES = {"F": "f", "I": "i", "U": "u"}

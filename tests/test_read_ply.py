@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from shapeconcepts.io import read_scan
 from shapeconcepts.scan import ScanError
+from shapeconcepts.sources import read_scan
 
 FORMATS = ["ascii", "binary_little_endian", "binary_big_endian"]
 NUMPY = {"float": "f4", "double": "f8", "uchar": "u1", "int": "i4", "ushort": "u2", "int16": "i2"}

@@ -6,8 +6,8 @@ import warnings
 import numpy as np
 import pytest
 
-from shapeconcepts.io import ScanList, ScanWarning, find_scan_files, iter_scans, read_scan, read_scans, reader
-from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.scan import Scan, ScanError, ScanWarning
+from shapeconcepts.sources import ScanList, find_scan_files, iter_scans, read_scan, read_scans, reader
 
 
 def make(path, text="0 0 1\n0.1 0 1\n"):

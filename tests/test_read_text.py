@@ -6,8 +6,8 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shapeconcepts.io import read_scan
 from shapeconcepts.scan import ScanError
+from shapeconcepts.sources import read_scan
 
 POINTS = [[0.1, -0.2, 1.0], [0.15, 0.0, 1.1], [0.0, 2.5e-2, 1.2]]
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from shapeconcepts.io import as_scan, read_scan
 from shapeconcepts.io.viewpoint import camera_frame_viewpoint, declared_viewpoint
 from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.sources import as_scan, read_scan
 
 BALL = np.random.default_rng(0).normal(size=(300, 3))
 BALL *= 0.05 / np.linalg.norm(BALL, axis=1, keepdims=True)

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from shapeconcepts.neighbours import radius_neighbours
+from shapeconcepts.geometry.neighbours import radius_neighbours
 from shapeconcepts.segmentation.border_settling_kernels import INVOLVED_SHARE, settle_borders
 from shapeconcepts.segmentation.crease_kernels import sharpen_borders
 from shapeconcepts.segmentation.surface_fit_kernels import fit_surface

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from shapeconcepts.neighbours import radius_neighbours
+from shapeconcepts.geometry.neighbours import radius_neighbours
 from shapeconcepts.segmentation.crease_kernels import (
     border_pairs,
     border_voxels,

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shapeconcepts.neighbours import radius_neighbours
+from shapeconcepts.geometry.neighbours import radius_neighbours
 from shapeconcepts.segmentation.linkage_kernels import average_linkage, patch_borders
 
 seeds = st.integers(0, 2**32 - 1)

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shapeconcepts.neighbours import radius_neighbours
+from shapeconcepts.geometry.neighbours import radius_neighbours
 from shapeconcepts.segmentation.linkage_kernels import border_lengths
 from shapeconcepts.segmentation.region_merging import MIN_BORDER, MIN_MEAN_SHARE, absorb_small
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shapeconcepts.neighbours import Neighbours, radius_neighbours
+from shapeconcepts.geometry.neighbours import Neighbours, radius_neighbours
 from shapeconcepts.segmentation.supervoxel_kernels import (
     central_voxels,
     closer_neighbours,

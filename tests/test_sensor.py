@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial import cKDTree
 
-from shapeconcepts.datasets.rendering import render
-from shapeconcepts.datasets.sensor import KINECT, scan_mesh
-from shapeconcepts.datasets.sensor_kernels import NOTHING, continuity, lit_by_projector
-from shapeconcepts.datasets.sensor_model import SensorModel
 from shapeconcepts.scan import ScanError
+from shapeconcepts.simulation.rendering import render
+from shapeconcepts.simulation.sensor import KINECT, scan_mesh
+from shapeconcepts.simulation.sensor_kernels import NOTHING, continuity, lit_by_projector
+from shapeconcepts.simulation.sensor_model import SensorModel
 
 FRONT = (0.0, -1.0, 0.0)
 

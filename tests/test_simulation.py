@@ -5,8 +5,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from shapeconcepts.datasets import CATEGORIES, PART_NAMES, simulate, simulate_scan
-from shapeconcepts.datasets.shapes import SHAPES
-from shapeconcepts.datasets.shapes.mesh import bezier, ellipsoid, limb, revolve
+from shapeconcepts.simulation.shapes import SHAPES
+from shapeconcepts.simulation.shapes.mesh import bezier, ellipsoid, limb, revolve
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from shapeconcepts import Filtration
-from shapeconcepts.topology.filtration import HEATS, STOPS
+from shapeconcepts.concepts.filtration import HEATS, STOPS
 from topology_reference import (
     components,
     random_rows,

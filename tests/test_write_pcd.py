@@ -5,9 +5,9 @@ import pytest
 from numpy.testing import assert_array_equal
 from pypcd4 import PointCloud
 
-from shapeconcepts.io import read_scan
 from shapeconcepts.io.write_pcd import write_pcd
 from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.sources import read_scan
 
 POINTS = np.random.default_rng(0).normal(size=(50, 3))
 

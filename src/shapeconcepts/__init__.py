@@ -5,11 +5,11 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.scan import Scan, ScanError, ScanWarning
 
 if TYPE_CHECKING:
     from shapeconcepts import datasets
-    from shapeconcepts.concepts import ConceptResponse
+    from shapeconcepts.concepts import Concept, ConceptResponse, Filtration
     from shapeconcepts.descriptors import (
         FPFH,
         Curvature,
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
         describe,
         get_descriptor,
     )
-    from shapeconcepts.io import ScanWarning, read_scan, read_scans
     from shapeconcepts.model import ShapeConceptModel
     from shapeconcepts.model_file import ModelError, load_model
     from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary, decompose
     from shapeconcepts.segmentation import SegmentedObject, segment
-    from shapeconcepts.topology import Concept, Filtration, TopologicalSpace
+    from shapeconcepts.sources import read_scan, read_scans
+    from shapeconcepts.topology import TopologicalSpace
 
 __version__ = "0.1.0"
 
@@ -61,14 +61,13 @@ __all__ = [
 # first used.
 _HOME_OF = {
     "FPFH": ".descriptors",
-    "Concept": ".topology",
+    "Concept": ".concepts",
     "ConceptResponse": ".concepts",
     "Curvature": ".descriptors",
     "DescribedObject": ".descriptors",
-    "Filtration": ".topology",
+    "Filtration": ".concepts",
     "ModelError": ".model_file",
     "MotifHierarchyEnsemble": ".motifs",
-    "ScanWarning": ".io",
     "SegmentDictionary": ".motifs",
     "SegmentedObject": ".segmentation",
     "ShapeConceptModel": ".model",
@@ -79,8 +78,8 @@ _HOME_OF = {
     "describe": ".descriptors",
     "get_descriptor": ".descriptors",
     "load_model": ".model_file",
-    "read_scan": ".io",
-    "read_scans": ".io",
+    "read_scan": ".sources",
+    "read_scans": ".sources",
     "segment": ".segmentation",
 }
 

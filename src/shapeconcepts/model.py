@@ -13,15 +13,13 @@ from scipy.sparse import csr_matrix
 from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils.validation import check_is_fitted
 
-from shapeconcepts.concepts import ConceptResponse
+from shapeconcepts.concepts import Concept, ConceptResponse, Filtration
 from shapeconcepts.concepts.response import DISTANCES
 from shapeconcepts.descriptors import DescribedObject, Descriptor, describe, get_descriptor
-from shapeconcepts.io import ScanWarning
 from shapeconcepts.motifs import Explanation, MotifHierarchyEnsemble, SegmentDictionary
-from shapeconcepts.parameter_checks import check_choice
-from shapeconcepts.scan import ScanError
+from shapeconcepts.parameters import check_choice
+from shapeconcepts.scan import ScanError, ScanWarning
 from shapeconcepts.segmentation import SegmentedObject, segment
-from shapeconcepts.topology import Concept, Filtration
 
 PRESETS = ("default", "paper")
 

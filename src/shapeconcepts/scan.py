@@ -12,6 +12,10 @@ class ScanError(ValueError):
     """A scan that cannot be used; the message names the file or scan and the reason."""
 
 
+class ScanWarning(UserWarning):
+    """Some scans cannot be used, and are skipped."""
+
+
 def whole_numbers(values: ArrayLike) -> NDArray[np.int64]:
     """Point labels as int64; ScanError where one is not a whole number or does not fit."""
     try:

@@ -5,9 +5,8 @@ import pytest
 from washington_files import write_cloud
 
 from shapeconcepts.datasets import load_labelled, split_of
-from shapeconcepts.io import ScanWarning
 from shapeconcepts.io.write_pcd import write_pcd
-from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.scan import Scan, ScanError, ScanWarning
 
 POINTS = np.random.default_rng(0).normal(size=(20, 3)) * 0.02 + (0, 0, 0.8)
 SCENE = Scan(POINTS, point_labels=[1] * 8 + [20] * 6 + [30] * 6)

@@ -6,9 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shapeconcepts.datasets import CATEGORIES, load_oscd, split_of
-from shapeconcepts.io import ScanWarning
 from shapeconcepts.io.write_pcd import write_pcd
-from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.scan import Scan, ScanError, ScanWarning
 
 POINTS = np.random.default_rng(0).normal(size=(20, 3)) * 0.02 + (0, 0, 0.8)
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from washington_files import write_cloud, write_crop
 
 from shapeconcepts.datasets import PAPER_CATEGORIES, load_washington
-from shapeconcepts.io import ScanWarning, read_scan
-from shapeconcepts.scan import ScanError
+from shapeconcepts.scan import ScanError, ScanWarning
+from shapeconcepts.sources import read_scan
 
 DEPTH = np.array([[0, 700, 701], [702, 0, 703]])
 MASK = np.array([[True, True, False], [True, True, True]])

@@ -16,16 +16,16 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
-from shapeconcepts.report.evaluation import draw_all, save_figures
-from shapeconcepts.report.evaluation.annexation_curve import draw_annexation_curve
-from shapeconcepts.report.evaluation.barcode import draw_barcode
-from shapeconcepts.report.evaluation.baseline_comparison import draw_baseline_comparison
-from shapeconcepts.report.evaluation.figure_files import figure_bytes
-from shapeconcepts.report.evaluation.label_colours import label_colours, shortened
-from shapeconcepts.report.evaluation.levels import draw_levels
-from shapeconcepts.report.evaluation.ranked_concepts import draw_ranked_concepts
-from shapeconcepts.report.evaluation.region_matrices import draw_labels_within_regions
-from shapeconcepts.report.evaluation.selection_surfaces import draw_purity_surface
+from shapeconcepts.evaluation.report import draw_all, save_figures
+from shapeconcepts.evaluation.report.annexation_curve import draw_annexation_curve
+from shapeconcepts.evaluation.report.barcode import draw_barcode
+from shapeconcepts.evaluation.report.baseline_comparison import draw_baseline_comparison
+from shapeconcepts.evaluation.report.figure_files import figure_bytes
+from shapeconcepts.evaluation.report.label_colours import label_colours, shortened
+from shapeconcepts.evaluation.report.levels import draw_levels
+from shapeconcepts.evaluation.report.ranked_concepts import draw_ranked_concepts
+from shapeconcepts.evaluation.report.region_matrices import draw_labels_within_regions
+from shapeconcepts.evaluation.report.selection_surfaces import draw_purity_surface
 from shapeconcepts.report.palette import LABEL_COLOURS
 
 ALL = {
@@ -123,7 +123,7 @@ def test_settings_of_the_user_are_neither_used_nor_changed():
 
 def test_pyplot_is_left_alone():
     code = (
-        "import sys, shapeconcepts.report.evaluation\n"
+        "import sys, shapeconcepts.evaluation.report\n"
         "assert 'matplotlib' in sys.modules and 'matplotlib.pyplot' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -12,11 +12,11 @@ import evaluation_examples as examples
 import numpy as np
 import pytest
 
+from shapeconcepts.evaluation.report import draw_all, write_evaluation
+from shapeconcepts.evaluation.report.number_formats import mean_error, median_and_range, percent
+from shapeconcepts.evaluation.report.tables import best_cells, table
+from shapeconcepts.evaluation.report.verdict import verdict
 from shapeconcepts.evaluation.results import ClassificationRow
-from shapeconcepts.report.evaluation import draw_all, write_evaluation
-from shapeconcepts.report.evaluation.number_formats import mean_error, median_and_range, percent
-from shapeconcepts.report.evaluation.tables import best_cells, table
-from shapeconcepts.report.evaluation.verdict import verdict
 
 VOID = {"meta", "link", "br", "img", "hr", "input"}
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from shapeconcepts.concepts import Filtration
 from shapeconcepts.evaluation.experiments import concept_numbers
 from shapeconcepts.evaluation.experiments.concept_numbers import ConceptNumbers
-from shapeconcepts.topology import Filtration
 
 pytestmark = pytest.mark.filterwarnings("ignore:the filtration of")
 

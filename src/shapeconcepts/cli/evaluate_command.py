@@ -223,7 +223,7 @@ def _write(result: Evaluation, report: Path | None, figures: Path | None) -> lis
     """Write report and figures, each whatever becomes of the other; what there is to say about it."""
     if report is None and figures is None:
         return []
-    from shapeconcepts.report.evaluation import draw_all, save_figures, write_evaluation
+    from shapeconcepts.evaluation.report import draw_all, save_figures, write_evaluation
 
     said = []
     for path, description in ((report, "Writing the report"), (figures, "Drawing the figures")):

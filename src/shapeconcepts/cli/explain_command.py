@@ -26,10 +26,10 @@ from shapeconcepts.cli.pictures import check_picture_path, save_picture
 from shapeconcepts.cli.terminal import fail, print_table
 
 if TYPE_CHECKING:
-    from shapeconcepts.io.collection import ScanFile
     from shapeconcepts.model import ShapeConceptModel
     from shapeconcepts.motifs.explanation import Explanation
     from shapeconcepts.segmentation.segmented_object import SegmentedObject
+    from shapeconcepts.sources.collection import ScanFile
 
 _MOTIFS_SHOWN = 12
 _PROTOTYPES_SHOWN = 3

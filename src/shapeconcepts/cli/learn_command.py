@@ -43,9 +43,9 @@ from shapeconcepts.cli.terminal import (
 
 if TYPE_CHECKING:
     from shapeconcepts.descriptors import DescribedObject
-    from shapeconcepts.io.collection import ScanFile
     from shapeconcepts.model import ShapeConceptModel
     from shapeconcepts.report.html import ScanPreview
+    from shapeconcepts.sources.collection import ScanFile
 
 
 class _Collection(NamedTuple):

@@ -10,8 +10,8 @@ from shapeconcepts.cli.object_reader import ObjectReader
 from shapeconcepts.cli.terminal import fail
 
 if TYPE_CHECKING:
-    from shapeconcepts.io.collection import ReadOptions
     from shapeconcepts.model import ShapeConceptModel
+    from shapeconcepts.sources.collection import ReadOptions
 
 
 def one_thread() -> AbstractContextManager[object]:

@@ -16,11 +16,11 @@ from shapeconcepts.cli.terminal import fail, say
 
 if TYPE_CHECKING:
     from shapeconcepts.descriptors import DescribedObject, Descriptor
-    from shapeconcepts.io.collection import ReadOptions, ScanFile
     from shapeconcepts.report.html import ScanPreview
     from shapeconcepts.scan import Scan
     from shapeconcepts.segmentation.segment_cache import SegmentCache
     from shapeconcepts.segmentation.segmented_object import SegmentedObject
+    from shapeconcepts.sources.collection import ReadOptions, ScanFile
 
     Source: TypeAlias = "ScanFile | SimulatedObject | Scan"
 
@@ -108,9 +108,9 @@ class ObjectReader:
 
     def _scans(self, source: Source) -> list[Scan]:
         from shapeconcepts.datasets import simulate_scan
-        from shapeconcepts.datasets.osd import is_labelled_scene, scene_objects
-        from shapeconcepts.io.collection import iter_scans
         from shapeconcepts.scan import Scan, ScanError
+        from shapeconcepts.sources.collection import iter_scans
+        from shapeconcepts.sources.osd import is_labelled_scene, scene_objects
 
         if isinstance(source, Scan):
             return [source]
@@ -205,8 +205,8 @@ def _uncalled(segmented: SegmentedObject, source: Source) -> SegmentedObject:
 
 def _called(segmented: SegmentedObject, source: Source) -> SegmentedObject:
     """An object of the cache as it is called now: the file may have been moved."""
-    from shapeconcepts.datasets.osd import scene_category
-    from shapeconcepts.io.collection import ScanFile
+    from shapeconcepts.sources.collection import ScanFile
+    from shapeconcepts.sources.osd import scene_category
 
     if segmented.name == "" or not isinstance(source, ScanFile):
         return replace(segmented, name=source.name, label=source.label)

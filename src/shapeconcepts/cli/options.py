@@ -10,7 +10,7 @@ import typer
 from shapeconcepts.cli.terminal import fail
 
 if TYPE_CHECKING:
-    from shapeconcepts.io.collection import ReadOptions, ScanFile
+    from shapeconcepts.sources.collection import ReadOptions, ScanFile
 
 Intrinsics = Annotated[
     str | None,
@@ -100,8 +100,8 @@ def read_options(intrinsics: str | None, depth_scale: float, mask: Path | None) 
 
 def scan_files(paths: list[Path], mask: Path | None) -> list[ScanFile]:
     """Files among and below the paths; ends the command where there is nothing to read."""
-    from shapeconcepts.io.collection import find_scan_files
     from shapeconcepts.scan import ScanError
+    from shapeconcepts.sources.collection import find_scan_files
 
     try:
         files = find_scan_files(paths)

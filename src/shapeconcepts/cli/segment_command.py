@@ -29,8 +29,8 @@ from shapeconcepts.cli.terminal import fail, print_table, progress, say_skipped
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-    from shapeconcepts.io.collection import ReadOptions, ScanFile
     from shapeconcepts.segmentation.segmented_object import SegmentedObject
+    from shapeconcepts.sources.collection import ReadOptions, ScanFile
 
 
 class _Result(NamedTuple):
@@ -127,10 +127,10 @@ def segment(
 def _segment_file(
     file: ScanFile, reading: ReadOptions, options: dict[str, Any], picture_size: int | None
 ) -> _Result:
-    from shapeconcepts.io.collection import iter_scans
     from shapeconcepts.report import draw_segments
     from shapeconcepts.scan import ScanError
     from shapeconcepts.segmentation import segment as segment_scan
+    from shapeconcepts.sources.collection import iter_scans
 
     [scan] = iter_scans([file], **reading)
     if isinstance(scan, ScanError):

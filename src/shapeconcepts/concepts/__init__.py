@@ -1,5 +1,7 @@
-"""Shape concept inference: how much an object resembles each concept."""
+"""Shape concepts: which groups of a filtration they are, and how much an object resembles each."""
 
+from shapeconcepts.concepts.concept import Concept
+from shapeconcepts.concepts.filtration import Filtration
 from shapeconcepts.concepts.response import ConceptResponse
 
-__all__ = ["ConceptResponse"]
+__all__ = ["Concept", "ConceptResponse", "Filtration"]

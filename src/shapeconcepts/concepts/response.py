@@ -12,9 +12,9 @@ from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.decomposition import PCA
 from sklearn.utils.validation import check_is_fitted, check_non_negative, validate_data
 
-from shapeconcepts.parameter_checks import check_choice
+from shapeconcepts.concepts.settling import N_NEAREST
+from shapeconcepts.parameters import check_choice
 from shapeconcepts.topology.divergence import jensen_shannon_divergences, normalised_rows
-from shapeconcepts.topology.settling import N_NEAREST
 from shapeconcepts.topology.space import TopologicalSpace
 
 DISTANCES = ("divergence", "mahalanobis")

@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 
 from shapeconcepts.descriptors.curvature_kernels import curvature_histograms, principal_curvatures
 from shapeconcepts.descriptors.protocol import Description
-from shapeconcepts.descriptors.surface import checked_labels, checked_surface
-from shapeconcepts.descriptors.surface_kernels import size_of_segments
-from shapeconcepts.neighbours import cell_grid
+from shapeconcepts.descriptors.segment_kernels import size_of_segments
+from shapeconcepts.descriptors.segment_labels import checked_labels
+from shapeconcepts.geometry.neighbours import cell_grid
+from shapeconcepts.geometry.surface import checked_surface
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 # Least and largest radius. Fewer voxels say little against noise; more take longer than they tell.

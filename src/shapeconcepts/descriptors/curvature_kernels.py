@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from shapeconcepts.descriptors.pair_feature_kernels import copy_nearby
+from shapeconcepts.geometry.neighbour_kernels import copy_nearby
+from shapeconcepts.kernels import kernel
 
 PLACES = 11
 N_BINS = PLACES * (PLACES + 1) // 2
@@ -24,7 +24,7 @@ _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 
 
 # Sums in any order compile to vector instructions; it is the same order whenever this runs.
-@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
+@kernel(fastmath={"reassoc", "contract"})
 def principal_curvatures(
     surface: NDArray[np.float64],
     cells: NDArray[np.int64],
@@ -37,7 +37,7 @@ def principal_curvatures(
     Parameters
     ----------
     surface : (6, m) float64
-        Points and unit normals in the order of a `shapeconcepts.neighbours.CellGrid`.
+        Points and unit normals in the order of a `shapeconcepts.geometry.neighbours.CellGrid`.
     cells, indptr, candidates
         Of the grid.
     radius : float
@@ -103,7 +103,7 @@ def principal_curvatures(
     return curvatures
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def curvature_histograms(
     curvatures: NDArray[np.float64], labels: NDArray[np.int32], n_segments: int
 ) -> NDArray[np.float64]:
@@ -135,7 +135,7 @@ def curvature_histograms(
     return histograms
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _place(curvature: float) -> tuple[int, float]:
     """The place below a curvature, and how far it lies on the way to the next one, 0 to 1."""
     place = PLACES // 2 + _STEPS_PER_UNIT * math.asinh(_FINENESS * curvature)
@@ -144,7 +144,7 @@ def _place(curvature: float) -> tuple[int, float]:
     return below, place - below
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _bin(i: int, j: int) -> int:
     high, low = max(i, j), min(i, j)
     return high * (high + 1) // 2 + low

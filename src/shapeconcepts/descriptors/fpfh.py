@@ -13,8 +13,9 @@ from shapeconcepts.descriptors.fpfh_kernels import (
     simplified_histograms,
 )
 from shapeconcepts.descriptors.protocol import Description
-from shapeconcepts.descriptors.surface import checked_labels, checked_surface
-from shapeconcepts.neighbours import cell_grid
+from shapeconcepts.descriptors.segment_labels import checked_labels
+from shapeconcepts.geometry.neighbours import cell_grid
+from shapeconcepts.geometry.surface import checked_surface
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 

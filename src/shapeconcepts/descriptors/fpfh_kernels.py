@@ -9,23 +9,23 @@ numbers in single as in double precision.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from shapeconcepts.descriptors.pair_feature_kernels import (
     N_BINS,
-    copy_nearby,
     pair_bins,
     pair_weights,
     point_histogram,
     share_of,
     sum_of,
 )
+from shapeconcepts.geometry.neighbour_kernels import copy_nearby
+from shapeconcepts.kernels import kernel
 
 _ZERO = np.float32(0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def simplified_histograms(
     surface: NDArray[np.float64],
     cells: NDArray[np.int64],
@@ -38,7 +38,7 @@ def simplified_histograms(
     Parameters
     ----------
     surface : (6, m) float64
-        Points and normals in the order of a `shapeconcepts.neighbours.CellGrid`.
+        Points and normals in the order of a `shapeconcepts.geometry.neighbours.CellGrid`.
     cells, indptr, candidates
         Of the grid.
     radius : float
@@ -72,7 +72,7 @@ def simplified_histograms(
     return histograms, weight_sums
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def neighbour_means(
     surface: NDArray[np.float64],
     cells: NDArray[np.int64],
@@ -107,7 +107,7 @@ def neighbour_means(
     return means
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def segment_sums(
     surface: NDArray[np.float64],
     cells: NDArray[np.int64],

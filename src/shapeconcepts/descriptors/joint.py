@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shapeconcepts.descriptors.protocol import Description, Descriptor
-from shapeconcepts.descriptors.surface import normals_within
-from shapeconcepts.parameter_checks import check_length
+from shapeconcepts.geometry.surface import normals_within
+from shapeconcepts.parameters import check_length
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 # Fewer voxels across are too few for a plane.

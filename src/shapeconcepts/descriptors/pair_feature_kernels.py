@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from shapeconcepts.kernels import kernel
 
 N_BINS = 11
 CENTRE = N_BINS // 2
@@ -23,44 +24,7 @@ _COT_1, _COT_3, _COT_5, _COT_7, _COT_9 = (
 _MOST_AT_ONCE = 224  # fewer than 8 bits can count, and whole vectors
 
 
-@njit(cache=True, error_model="numpy")
-def copy_nearby(
-    surface: NDArray[np.float64],
-    candidates: NDArray[np.uint32],
-    origin: int,
-    radius: float,
-    nearby: NDArray[np.float32],
-) -> int:
-    """Copy the points around a cell together.
-
-    Parameters
-    ----------
-    surface : (d, m) float64
-        Coordinates of all points, and what else belongs to them.
-    candidates : (k,) uint32
-    origin : int
-        The point that coordinates are relative to.
-    nearby : (d, >= k + 7) float32, output
-        Columns of `surface`, with coordinates in radii.
-
-    Returns
-    -------
-    int
-        Number of columns, a multiple of 8: the last ones are points far away, so that no loop over them has a
-        rest besides vectors.
-    """
-    n = len(candidates)
-    full = n + -n % 8
-    for row in range(len(surface)):
-        offset = surface[row, origin] if row < 3 else 0.0
-        scale = 1.0 / radius if row < 3 else 1.0
-        for k in range(np.uint64(n)):
-            nearby[row, k] = (surface[row, candidates[k]] - offset) * scale
-        nearby[row, n:full] = 1e9 if row < 3 else 0.0
-    return full
-
-
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def pair_bins(
     n: int,
     x: np.float32,
@@ -126,7 +90,7 @@ def pair_bins(
         weights[k] = _ZERO if beyond | (squared_distance <= _ZERO) else inverse
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def point_histogram(
     n: int,
     bins: NDArray[np.uint8],
@@ -163,7 +127,7 @@ def point_histogram(
         histograms[row, column + b] *= scale
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def pair_weights(
     n: int,
     x: np.float32,
@@ -181,7 +145,7 @@ def pair_weights(
 
 
 # The sums may be reordered, for vector instructions: the same order on each run of a machine.
-@njit(cache=True, error_model="numpy", fastmath={"reassoc"})
+@kernel(fastmath={"reassoc"})
 def sum_of(n: int, values: NDArray[np.float32]) -> np.float32:
     """Sum of the first n values."""
     total = _ZERO
@@ -190,7 +154,7 @@ def sum_of(n: int, values: NDArray[np.float32]) -> np.float32:
     return total
 
 
-@njit(cache=True, error_model="numpy", fastmath={"reassoc"})
+@kernel(fastmath={"reassoc"})
 def share_of(
     n: int,
     weights: NDArray[np.float32],

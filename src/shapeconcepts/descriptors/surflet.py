@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.descriptors.protocol import Description
-from shapeconcepts.descriptors.surface import checked_labels, checked_surface
-from shapeconcepts.descriptors.surface_kernels import size_of_segments
+from shapeconcepts.descriptors.segment_kernels import size_of_segments
+from shapeconcepts.descriptors.segment_labels import checked_labels
 from shapeconcepts.descriptors.surflet_kernels import accumulate_relations, largest_distance
-from shapeconcepts.neighbours import sorting_order
-from shapeconcepts.preparation.canonical_frame import canonical_coordinates
+from shapeconcepts.geometry.canonical_frame import canonical_coordinates
+from shapeconcepts.geometry.neighbours import sorting_order
+from shapeconcepts.geometry.surface import checked_surface
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 SCALES = ("relative", "metric")

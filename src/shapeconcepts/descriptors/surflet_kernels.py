@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from shapeconcepts.kernels import kernel
 
 # A connection this close to the normal (sine below 1e-6) spans no plane with it.
 _PARALLEL = 1e-12
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _atan2(y: float, x: float) -> float:
     """Arctangent to 2e-5 rad (Abramowitz & Stegun 4.4.49), without branches."""
     wide, high = abs(x), abs(y)
@@ -27,7 +28,7 @@ def _atan2(y: float, x: float) -> float:
     return -angle if y < 0.0 else angle
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def surflet_relations(
     end: int, points: NDArray[np.float64], normals: NDArray[np.float64], relations: NDArray[np.float64]
 ) -> None:
@@ -69,7 +70,7 @@ def surflet_relations(
         relations[3, k] = 0.0 if flat else along / distance
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def largest_distance(points: NDArray[np.float64]) -> float:
     """Largest distance between two of the points, shape (3, m)."""
     largest = 0.0
@@ -80,7 +81,7 @@ def largest_distance(points: NDArray[np.float64]) -> float:
     return math.sqrt(largest)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def accumulate_relations(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],

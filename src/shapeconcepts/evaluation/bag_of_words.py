@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from shapeconcepts.descriptors import FPFH, compute_fpfh
 from shapeconcepts.evaluation.groupings.grouping import Grouping, without_small_groups
-from shapeconcepts.parameter_checks import check_integer
+from shapeconcepts.parameters import check_integer
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 _POINTS_PER_OBJECT = 100

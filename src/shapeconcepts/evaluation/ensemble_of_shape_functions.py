@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from shapeconcepts.evaluation.ensemble_of_shape_functions_kernels import GRID_SIZE, shape_functions
-from shapeconcepts.preparation.canonical_frame import canonical_coordinates
+from shapeconcepts.geometry.canonical_frame import canonical_coordinates
 
 N_TRIPLES = 20_000
 # How much each histogram counts, as in the Point Cloud Library: angles, areas, distances (each inside,

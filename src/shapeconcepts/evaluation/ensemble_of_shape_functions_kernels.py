@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from shapeconcepts.kernels import kernel
 
 GRID_SIZE = 64
 N_BINS = 64
@@ -20,7 +21,7 @@ _ENDS = 7
 _PATIENCE = 10
 
 
-@njit(cache=True)
+@kernel
 def random_index(counter: int, n: int) -> np.int64:
     """A number below n that depends on the counter only (splitmix64, Steele et al. 2014)."""
     z = np.uint64(counter) * np.uint64(0x9E3779B97F4A7C15)
@@ -30,7 +31,7 @@ def random_index(counter: int, n: int) -> np.int64:
     return np.int64((z >> np.uint64(32)) * np.uint64(n) >> np.uint64(32))
 
 
-@njit(cache=True)
+@kernel
 def occupied_voxels(voxels: NDArray[np.int64]) -> NDArray[np.bool_]:
     """The grid with every voxel of a point and its 26 neighbours marked, (64, 64, 64)."""
     occupied = np.zeros((GRID_SIZE, GRID_SIZE, GRID_SIZE), np.bool_)
@@ -43,7 +44,7 @@ def occupied_voxels(voxels: NDArray[np.int64]) -> NDArray[np.bool_]:
     return occupied
 
 
-@njit(cache=True)
+@kernel
 def trace(occupied: NDArray[np.bool_], start: NDArray[np.int64], end: NDArray[np.int64]) -> tuple[int, int]:
     """Voxels on the line between two, the ends included, and how many of them are occupied."""
     dx, dy, dz = end[0] - start[0], end[1] - start[1], end[2] - start[2]
@@ -58,33 +59,33 @@ def trace(occupied: NDArray[np.bool_], start: NDArray[np.int64], end: NDArray[np
     return n_steps + 1, n_occupied
 
 
-@njit(cache=True)
+@kernel
 def _bin(value: float, largest: float) -> int:
     return min(max(int(value / largest * (N_BINS - 1) + 0.5), 0), N_BINS - 1)
 
 
-@njit(cache=True)
+@kernel
 def _line_kind(n_voxels: int, n_occupied: int) -> int:
     if n_occupied >= n_voxels - 1:
         return _IN
     return _OUT if n_occupied <= _ENDS else _MIXED
 
 
-@njit(cache=True)
+@kernel
 def _triangle_kind(n_voxels: int, n_occupied: int) -> int:
     if n_occupied <= 3 * _ENDS:
         return _OUT
     return _IN if n_voxels - n_occupied < 4 else _MIXED
 
 
-@njit(cache=True)
+@kernel
 def _angle_bin(opposite: float, one: float, other: float) -> int:
     """Bin of the acute angle between two sides of a triangle."""
     cosine = abs(one * one + other * other - opposite * opposite) / (2.0 * one * other)
     return _bin(math.acos(min(cosine, 1.0)), 0.5 * math.pi)
 
 
-@njit(cache=True)
+@kernel
 def shape_functions(
     points: NDArray[np.float64], voxels: NDArray[np.int64], n_triples: int, smallest_area: float
 ) -> NDArray[np.float64]:

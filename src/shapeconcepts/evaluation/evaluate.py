@@ -19,7 +19,7 @@ from shapeconcepts.evaluation.labelled_objects import Progress, check_labels, la
 from shapeconcepts.evaluation.results import Evaluation
 from shapeconcepts.evaluation.splits import stratified_splits
 from shapeconcepts.model import PRESETS
-from shapeconcepts.parameter_checks import check_integer
+from shapeconcepts.parameters import check_integer
 from shapeconcepts.segmentation import SegmentedObject
 
 TEST_SHARE = 0.25

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from shapeconcepts.parameter_checks import check_integer
+from shapeconcepts.parameters import check_integer
 
 Split = tuple[NDArray[np.int64], NDArray[np.int64]]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 from sklearn.base import clone
 
-from shapeconcepts.concepts import ConceptResponse
+from shapeconcepts.concepts import Concept, ConceptResponse, Filtration
 from shapeconcepts.model import ShapeConceptModel
 from shapeconcepts.model_file.container import read_container
 from shapeconcepts.model_file.content import check_content, check_description
@@ -19,7 +19,7 @@ from shapeconcepts.model_file.error import ModelError, require
 from shapeconcepts.model_file.layout import Tensors
 from shapeconcepts.model_file.parameters import decode_parameters
 from shapeconcepts.motifs import MotifHierarchies, MotifHierarchyEnsemble, SegmentDictionary
-from shapeconcepts.topology import Concept, Filtration, TopologicalSpace
+from shapeconcepts.topology import TopologicalSpace
 from shapeconcepts.topology.divergence import normalised_rows
 
 # By what equal rows may differ when they are scaled to sum 1 elsewhere.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from sklearn.base import BaseEstimator
 
+from shapeconcepts.concepts.filtration import HEATS, STOPS
 from shapeconcepts.concepts.response import DISTANCES
 from shapeconcepts.descriptors import FPFH, Curvature, Descriptor, Surflet
 from shapeconcepts.descriptors.registry import DESCRIPTORS
@@ -17,7 +18,6 @@ from shapeconcepts.model_file.error import ModelError, require
 from shapeconcepts.model_file.layout import check_names
 from shapeconcepts.motifs.dictionary import METRICS
 from shapeconcepts.motifs.ensemble import COLUMNS
-from shapeconcepts.topology.filtration import HEATS, STOPS
 
 Check = tuple[Callable[[Any], bool], str]
 

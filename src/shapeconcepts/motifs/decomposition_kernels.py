@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 
-@njit(cache=True)
+
+@kernel
 def enumerate_constellations(
     n_segments: int, edges: NDArray[np.int32]
 ) -> tuple[NDArray[np.int64], NDArray[np.int32]]:

@@ -12,7 +12,7 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from shapeconcepts.motifs.divisive_clustering import divide
 from shapeconcepts.motifs.word_kernels import nearest_words
-from shapeconcepts.parameter_checks import check_integer
+from shapeconcepts.parameters import check_integer
 
 METRICS = ("hellinger", "euclidean")
 

@@ -14,14 +14,14 @@ from sklearn.utils.validation import check_is_fitted
 from shapeconcepts.descriptors.described_object import DescribedObject, describe
 from shapeconcepts.descriptors.protocol import Descriptor
 from shapeconcepts.descriptors.registry import get_descriptor
-from shapeconcepts.motifs.chunks import in_chunks
 from shapeconcepts.motifs.dictionary import SegmentDictionary
 from shapeconcepts.motifs.explanation import Explanation, explain_by_prototypes, explain_propagation
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.propagation import propagate
 from shapeconcepts.motifs.prototype_stimuli import PrototypeField, prototype_rows
 from shapeconcepts.motifs.stimuli import Activation, SparseRow, sparse_rows, stimuli_rows
-from shapeconcepts.parameter_checks import check_choice, check_integer
+from shapeconcepts.parallel import in_chunks
+from shapeconcepts.parameters import check_choice, check_integer
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 COLUMNS = ("prototypes", "motifs")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 from shapeconcepts.motifs.stimulus_kernels import ONE
 
 # Divergences closer than this are the rounding of equal histograms.
@@ -17,7 +17,7 @@ AT_ONCE = 16
 
 
 # Fused with the sum or not, a product of two single precision numbers is exact.
-@njit(cache=True, nogil=True, fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def hellinger_divergences(
     roots: NDArray[np.float32], prototype_roots: NDArray[np.float32], divergences: NDArray[np.float64]
 ) -> None:
@@ -58,7 +58,7 @@ def hellinger_divergences(
                 divergences[q, t] = max(divergences[q, t], 0.0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def neighbourhood_scale(
     divergences: NDArray[np.float64],
     objects: NDArray[np.int32],
@@ -81,7 +81,7 @@ def neighbourhood_scale(
     return max(np.partition(others[:n], k)[k], SMALLEST_SCALE)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def neighbourhood_scales(
     prototype_roots: NDArray[np.float32], objects: NDArray[np.int32], n_neighbours: int
 ) -> NDArray[np.float64]:
@@ -97,7 +97,7 @@ def neighbourhood_scales(
     return scales
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def prototype_stimuli(
     activated: NDArray[np.int32],
     prototype_vertices: NDArray[np.int32],
@@ -151,7 +151,7 @@ def prototype_stimuli(
             stimuli[t] = stimulus
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def prototype_row(
     roots: NDArray[np.float32],
     prototype_roots: NDArray[np.float32],

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from shapeconcepts.kernels import kernel
 
 # Kernels are summed as integers: the sum does not depend on the order in which the prototypes were seen.
 ONE = 1 << 40
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def negative_entropies(histograms: NDArray[np.float32]) -> NDArray[np.float64]:
     """Sum of p log2 p over each row, and 1 for a row without mass.
 
@@ -34,7 +35,7 @@ def negative_entropies(histograms: NDArray[np.float32]) -> NDArray[np.float64]:
     return sums
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def jensen_shannon(
     p: NDArray[np.float32], q: NDArray[np.float32], p_entropy: float, q_entropy: float
 ) -> float:
@@ -50,7 +51,7 @@ def jensen_shannon(
     return min(max(0.5 * (p_entropy + q_entropy) - mixed, 0.0), 1.0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def divergences_to(
     histogram: NDArray[np.float32],
     entropy: float,
@@ -66,7 +67,7 @@ def divergences_to(
     return divergences
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def mean_activations(
     histograms: NDArray[np.float32],
     activated: NDArray[np.int32],

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 
-@njit(cache=True)
+
+@kernel
 def nearest_words(
     rows: NDArray[np.float64], words: NDArray[np.float64], level_starts: NDArray[np.int64]
 ) -> NDArray[np.int32]:

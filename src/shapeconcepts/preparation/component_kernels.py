@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 
-@njit(cache=True)
+
+@kernel
 def connected_components(indptr: NDArray[np.int64], indices: NDArray[np.int32]) -> NDArray[np.int32]:
     """Number the connected components of a symmetric graph in CSR form in the order of their first vertex."""
     m = len(indptr) - 1

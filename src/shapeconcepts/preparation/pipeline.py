@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.io.conversion import as_scan
-from shapeconcepts.neighbour_kernels import restrict
-from shapeconcepts.neighbours import Neighbours, radius_neighbours
-from shapeconcepts.parameter_checks import check_length
-from shapeconcepts.preparation.normal_kernels import principal_component_normals
+from shapeconcepts.geometry.neighbour_kernels import restrict
+from shapeconcepts.geometry.neighbours import Neighbours, radius_neighbours
+from shapeconcepts.geometry.normal_kernels import principal_component_normals
+from shapeconcepts.parameters import check_length
 from shapeconcepts.preparation.prepared_object import PreparedObject
 from shapeconcepts.preparation.sensor_direction import estimate_viewpoint, orient_normals
 from shapeconcepts.preparation.stray_points import stray_points
 from shapeconcepts.preparation.voxel_grid import VoxelGrid, adaptive_voxel_grid, voxel_grid
 from shapeconcepts.scan import ScanError
+from shapeconcepts.sources.conversion import as_scan
 
 NEIGHBOUR_RADIUS = 3.0
 STRAY_ROUNDS = 2

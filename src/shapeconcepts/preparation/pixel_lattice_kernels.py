@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from shapeconcepts.kernels import kernel
 
 _HYPOTHESIS_TOLERANCE = 0.15
 _FIRST_LOOK = 32
@@ -15,7 +16,7 @@ _DAMPING = 1e-10
 _TINY = 1e-300
 
 
-@njit(cache=True)
+@kernel
 def propose_lattices(
     differences: NDArray[np.float64], probes: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -83,7 +84,7 @@ def propose_lattices(
     return scores, lattices
 
 
-@njit(cache=True)
+@kernel
 def _score(rows: NDArray[np.float64], probes: NDArray[np.float64]) -> float:
     hits = 0
     for k in range(len(probes)):
@@ -98,7 +99,7 @@ def _score(rows: NDArray[np.float64], probes: NDArray[np.float64]) -> float:
     return hits / len(probes)
 
 
-@njit(cache=True)
+@kernel
 def refine_camera(
     starts: NDArray[np.float64],
     ends: NDArray[np.float64],
@@ -138,7 +139,7 @@ def refine_camera(
     return n_matches, error
 
 
-@njit(cache=True)
+@kernel
 def _lattice_equations(
     starts: NDArray[np.float64],
     ends: NDArray[np.float64],
@@ -192,7 +193,7 @@ def _lattice_equations(
     return n_matches, math.sqrt(squared_error / max(n_matches, 1))
 
 
-@njit(cache=True)
+@kernel
 def _project(camera: NDArray[np.float64], point: NDArray[np.float64]) -> tuple[float, float, float]:
     x, y, z = point[0], point[1], point[2]
     w = 1.0 + camera[2, 0] * x + camera[2, 1] * y + camera[2, 2] * z
@@ -203,7 +204,7 @@ def _project(camera: NDArray[np.float64], point: NDArray[np.float64]) -> tuple[f
     return u / w, v / w, w
 
 
-@njit(cache=True)
+@kernel
 def _solve_damped(matrix: NDArray[np.float64], vector: NDArray[np.float64]) -> None:
     """Overwrite `vector` with the solution; of `matrix` only the lower triangle is read. Scaled Cholesky."""
     n = len(vector)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.neighbours import Neighbours
+from shapeconcepts.geometry.neighbours import Neighbours
 
 
 @dataclass(frozen=True, eq=False)

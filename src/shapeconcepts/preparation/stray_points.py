@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.neighbours import Neighbours
+from shapeconcepts.geometry.neighbours import Neighbours
 from shapeconcepts.preparation.component_kernels import connected_components
 
 MIN_NEIGHBOURS = 3

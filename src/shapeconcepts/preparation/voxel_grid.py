@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.neighbours import sorting_order
-from shapeconcepts.preparation.canonical_frame import canonical_coordinates
-from shapeconcepts.preparation.point_kernels import centroid, sorted_by_cell
+from shapeconcepts.geometry.canonical_frame import canonical_coordinates
+from shapeconcepts.geometry.neighbours import sorting_order
+from shapeconcepts.geometry.point_kernels import centroid, sorted_by_cell
 
 KINECT_VOXEL_SIZE = 0.005
 POINTS_PER_VOXEL = 3.5

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 from shapeconcepts.segmentation.surface_fit_kernels import fit_surface, gather_surroundings
 
 INVOLVED_SHARE = 0.3
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def settle_borders(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
@@ -115,7 +115,7 @@ def settle_borders(
     return settled
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _members(
     points: NDArray[np.float64],
     indptr: NDArray[np.int64],
@@ -138,7 +138,7 @@ def _members(
     return count, x * share, y * share, z * share
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _first_place(
     indptr: NDArray[np.int64], indices: NDArray[np.int32], labels: NDArray[np.int32], i: int, region: int
 ) -> int:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 from shapeconcepts.segmentation.surface_fit_kernels import fit_surface, gather_surroundings
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def border_voxels(
     indptr: NDArray[np.int64], indices: NDArray[np.int32], labels: NDArray[np.int32]
 ) -> NDArray[np.int64]:
@@ -29,7 +29,7 @@ def border_voxels(
     return voxels[:count]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def border_pairs(
     points: NDArray[np.float64],
     indptr: NDArray[np.int64],
@@ -80,13 +80,13 @@ def border_pairs(
     return key[:count], first[:count], second[:count]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _squared_distance(points: NDArray[np.float64], i: int, j: int) -> float:
     dx, dy, dz = points[i, 0] - points[j, 0], points[i, 1] - points[j, 1], points[i, 2] - points[j, 2]
     return dx * dx + dy * dy + dz * dz
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def crease_angles(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
@@ -153,7 +153,7 @@ def crease_angles(
     return angles
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def sharpen_borders(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],

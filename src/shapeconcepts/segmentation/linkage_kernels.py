@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 
-@njit(cache=True)
+
+@kernel
 def _stable_order(keys: NDArray[np.int64]) -> NDArray[np.int64]:
     """Stable order of small keys, not negative, by counting: linear, and faster than numba's sort."""
     start = np.zeros(keys.max() + 2, np.int64)
@@ -22,7 +23,7 @@ def _stable_order(keys: NDArray[np.int64]) -> NDArray[np.int64]:
     return order
 
 
-@njit(cache=True)
+@kernel
 def patch_borders(
     normals: NDArray[np.float64],
     indptr: NDArray[np.int64],
@@ -70,7 +71,7 @@ def patch_borders(
     return first[:edges], second[:edges], total[:edges], count[:edges]
 
 
-@njit(cache=True)
+@kernel
 def border_lengths(
     indptr: NDArray[np.int64], indices: NDArray[np.int32], labels: NDArray[np.int32]
 ) -> NDArray[np.int64]:
@@ -88,7 +89,7 @@ def border_lengths(
     return lengths
 
 
-@njit(cache=True)
+@kernel
 def average_linkage(
     n_regions: int,
     first: NDArray[np.int64],

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from shapeconcepts.neighbours import Neighbours
-from shapeconcepts.parameter_checks import check_integer, check_length
+from shapeconcepts.geometry.neighbours import Neighbours
+from shapeconcepts.parameters import check_integer, check_length
 from shapeconcepts.preparation import PreparedObject, prepare
 from shapeconcepts.segmentation.region_merging import absorb_small
 from shapeconcepts.segmentation.segmented_object import SegmentedObject

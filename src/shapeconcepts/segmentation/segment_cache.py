@@ -18,9 +18,11 @@ from shapeconcepts.segmentation.segmented_object import SegmentedObject
 # What a segmented object depends on, apart from the scan and the parameters.
 _SOURCES = (
     "scan.py",
-    "neighbour*.py",
+    "kernels.py",
+    "geometry/*.py",
     "io/*.py",
-    "datasets/**/*.py",
+    "simulation/**/*.py",
+    "sources/*.py",
     "preparation/*.py",
     "segmentation/*.py",
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.neighbours import Neighbours, sorting_order
+from shapeconcepts.geometry.neighbours import Neighbours, sorting_order
 from shapeconcepts.segmentation.border_settling_kernels import settle_borders
 from shapeconcepts.segmentation.crease_kernels import (
     border_pairs,

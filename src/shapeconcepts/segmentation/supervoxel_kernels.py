@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 
-@njit(cache=True, error_model="numpy")
+
+@kernel
 def closer_neighbours(
     points: NDArray[np.float64], indptr: NDArray[np.int64], indices: NDArray[np.int32], radius: float
 ) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
@@ -30,7 +31,7 @@ def closer_neighbours(
 
 
 # Products and sums may be fused: the same result on each run of a machine.
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@kernel(fastmath={"contract"})
 def smooth_normals(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
@@ -45,7 +46,7 @@ def smooth_normals(
     Parameters
     ----------
     indptr, indices
-        Neighbours, as of `shapeconcepts.neighbours.Neighbours`.
+        Neighbours, as of `shapeconcepts.geometry.neighbours.Neighbours`.
     width : float
         Distance at which a neighbour's weight has fallen to 2/3, in the unit of the points.
     angular_width : float
@@ -98,7 +99,7 @@ def smooth_normals(
     return current
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def grow_supervoxels(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
@@ -155,7 +156,7 @@ def grow_supervoxels(
     return owner
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def central_voxels(
     points: NDArray[np.float64], owner: NDArray[np.int32], seeds: NDArray[np.int64]
 ) -> NDArray[np.int64]:
@@ -187,7 +188,7 @@ def central_voxels(
     return central
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def inherit_patches(
     indptr: NDArray[np.int64],
     indices: NDArray[np.int32],

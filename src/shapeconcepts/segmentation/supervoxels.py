@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.neighbours import Neighbours
-from shapeconcepts.preparation.canonical_frame import canonical_coordinates
+from shapeconcepts.geometry.canonical_frame import canonical_coordinates
+from shapeconcepts.geometry.neighbours import Neighbours
 from shapeconcepts.preparation.voxel_grid import cell_keys
 from shapeconcepts.segmentation.supervoxel_kernels import central_voxels, grow_supervoxels
 

@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from shapeconcepts.kernels import kernel
 
 MIN_FIT_POINTS = 6
 CURVATURE_RIDGE = 0.02
 SLOPE_RIDGE = 0.001
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def gather_surroundings(
     points: NDArray[np.float64],
     indptr: NDArray[np.int64],
@@ -62,7 +63,7 @@ def gather_surroundings(
 
 # Its sums may be reordered, for vector instructions, and fused with products: the same on each run of a
 # machine.
-@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract"})
+@kernel(fastmath={"reassoc", "contract"})
 def fit_surface(
     points: NDArray[np.float64],
     normals: NDArray[np.float64],
@@ -164,7 +165,7 @@ def fit_surface(
     return count, c0 * scale / length, nx / length, ny / length, nz / length
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _solve_symmetric(a: NDArray[np.float64]) -> None:
     """Solve a positive definite 6 x 6 system in place; upper triangle in, solution in the last column."""
     for i in range(6):

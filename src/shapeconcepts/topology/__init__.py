@@ -1,8 +1,6 @@
-"""The topological space of stimuli and its filtration."""
+"""Topology of the rows of any non-negative matrix: divergence, spanning tree, neighbourhoods, heat."""
 
-from shapeconcepts.topology.concept import Concept
 from shapeconcepts.topology.divergence import jensen_shannon_divergences
-from shapeconcepts.topology.filtration import Filtration
 from shapeconcepts.topology.space import TopologicalSpace
 
-__all__ = ["Concept", "Filtration", "TopologicalSpace", "jensen_shannon_divergences"]
+__all__ = ["TopologicalSpace", "jensen_shannon_divergences"]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 
-@njit(cache=True)
+
+@kernel
 def find(parents: NDArray[np.int32], vertex: int) -> int:
     """Root of a vertex in a union-find forest, halving the path on the way."""
     while parents[vertex] != vertex:
@@ -16,7 +17,7 @@ def find(parents: NDArray[np.int32], vertex: int) -> int:
     return vertex
 
 
-@njit(cache=True)
+@kernel
 def annex(
     edges: NDArray[np.int32], sizes: NDArray[np.int64]
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int64], NDArray[np.int64]]:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 
-@njit(cache=True, nogil=True)
+
+@kernel
 def divergence_to(
     dense: NDArray[np.float64],
     columns: NDArray[np.int32],
@@ -30,7 +31,7 @@ def divergence_to(
     return min(max(1.0 + 0.5 * shared, 0.0), 1.0)
 
 
-@njit(cache=True, nogil=True)
+@kernel
 def divergences_between(
     first_starts: NDArray[np.int64],
     first_columns: NDArray[np.int32],

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 
-@njit(cache=True)
+
+@kernel
 def distance_sums(edges: NDArray[np.int32], weights: NDArray[np.int64]) -> NDArray[np.int64]:
     """Sum of the distances from each vertex of a tree to all others, in two passes.
 

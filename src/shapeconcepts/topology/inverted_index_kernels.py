@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 from shapeconcepts.topology.logarithm_kernels import BLOCK, shared_terms
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def inverted_index(
     row_starts: NDArray[np.int64],
     columns: NDArray[np.int32],
@@ -50,7 +50,7 @@ def inverted_index(
     return list_starts, listed_rows, listed_values, listed_terms
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def add_similarities(
     row: int,
     row_starts: NDArray[np.int64],

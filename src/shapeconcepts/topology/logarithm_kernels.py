@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from shapeconcepts.kernels import kernel
 
 BLOCK = 128
 
@@ -19,7 +20,7 @@ _EXPONENT_OF_ONE = 1023 << 52
 _LOG2_E = 1 / math.log(2)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def shared_terms(
     n: int,
     values: NDArray[np.float64],

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 from shapeconcepts.topology.inverted_index_kernels import add_similarities
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def most_similar_rows(
     first: int,
     last: int,
@@ -75,7 +75,7 @@ def most_similar_rows(
     return rows, divergences
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _sift(
     rows: NDArray[np.int32], similarities: NDArray[np.float64], place: int, row: int, similarity: float
 ) -> None:
@@ -95,6 +95,6 @@ def _sift(
     rows[place], similarities[place] = row, similarity
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def _is_less(similarity: float, row: int, other_similarity: float, other_row: int) -> bool:
     return similarity < other_similarity or (similarity == other_similarity and row > other_row)

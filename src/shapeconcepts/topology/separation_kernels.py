@@ -13,16 +13,16 @@ import heapq
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 from shapeconcepts.topology.annexation_kernels import find
 
 # By how much lengths differ at least so that rounding makes no equal separations of them.
 _LONGER = 1 + 1e-12
 
 
-@njit(cache=True)
+@kernel
 def separation_order(
     edges: NDArray[np.int32], lengths: NDArray[np.float64], sizes: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
@@ -116,13 +116,13 @@ def separation_order(
     return order, separations
 
 
-@njit(cache=True)
+@kernel
 def _separation(length: float, a: int, b: int) -> float:
     # The quotient rounds once, so that rounding keeps separations rising with a and b.
     return length * math.sqrt(float(a) * float(b) / float(a + b))
 
 
-@njit(cache=True)
+@kernel
 def _precedes(e: int, f: int, lengths: NDArray[np.float64], beyond: NDArray[np.int64]) -> bool:
     """Whether the first of two edges of a class never enters after the second."""
     return (
@@ -132,12 +132,12 @@ def _precedes(e: int, f: int, lengths: NDArray[np.float64], beyond: NDArray[np.i
     )
 
 
-@njit(cache=True)
+@kernel
 def _other_end(e: int, edges: NDArray[np.int32], end: int) -> int:
     return edges[e, 1] if edges[e, 0] == end else edges[e, 0]
 
 
-@njit(cache=True)
+@kernel
 def _successors(
     e: int,
     edges: NDArray[np.int32],
@@ -185,7 +185,7 @@ def _successors(
     return successors
 
 
-@njit(cache=True)
+@kernel
 def _joined(
     e: int,
     f: int,

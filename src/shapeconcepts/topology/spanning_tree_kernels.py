@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from shapeconcepts.kernels import kernel
 from shapeconcepts.topology.inverted_index_kernels import add_similarities, inverted_index
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def is_earlier_edge(a: int, b: int, c: int, d: int) -> bool:
     """Whether edge a-b comes before edge c-d by the smaller, then by the larger end."""
     if min(a, b) != min(c, d):
@@ -17,7 +17,7 @@ def is_earlier_edge(a: int, b: int, c: int, d: int) -> bool:
     return max(a, b) < max(c, d)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@kernel
 def grow_spanning_tree(
     row_starts: NDArray[np.int64],
     columns: NDArray[np.int32],

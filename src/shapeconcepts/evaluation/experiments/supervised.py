@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from shapeconcepts.concepts import Filtration
 from shapeconcepts.descriptors import DescribedObject
 from shapeconcepts.evaluation.classification import svm_errors
 from shapeconcepts.evaluation.experiments.concept_numbers import ConceptNumbers
@@ -18,7 +19,6 @@ from shapeconcepts.evaluation.labelled_objects import LabelledObjects, Progress,
 from shapeconcepts.evaluation.metrics import GroupingScores, grouping_scores
 from shapeconcepts.evaluation.results import Floats, SupervisedResult
 from shapeconcepts.evaluation.splits import Split
-from shapeconcepts.topology import Filtration
 
 NUMBERS = (3, 5, 7, 9, 11, 13, 15, 18, 21, 24, 27, 30, 33, 36, 40, 45, 50, 56, 62, 68, 74)
 SIZES = (2, 3, 4, 6, 8)

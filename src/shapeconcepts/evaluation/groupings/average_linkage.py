@@ -13,7 +13,7 @@ from shapeconcepts.evaluation.groupings.grouping import (
     checked_distances,
     without_small_groups,
 )
-from shapeconcepts.parameter_checks import check_integer
+from shapeconcepts.parameters import check_integer
 
 
 def average_linkage(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from shapeconcepts.parameter_checks import check_integer
+from shapeconcepts.parameters import check_integer
 
 MOST_GROUPS = 36
 OBJECTS_PER_GROUP = 8

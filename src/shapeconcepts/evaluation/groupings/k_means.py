@@ -12,7 +12,7 @@ from shapeconcepts.evaluation.groupings.grouping import (
     mean_silhouette,
     without_small_groups,
 )
-from shapeconcepts.parameter_checks import check_integer
+from shapeconcepts.parameters import check_integer
 
 _STARTS = 10
 

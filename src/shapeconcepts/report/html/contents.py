@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts import __version__
+from shapeconcepts.concepts import Filtration
 from shapeconcepts.model import ShapeConceptModel
 from shapeconcepts.report.html.filtration_layout import lay_out_filtration
 from shapeconcepts.report.html.ranking import RankedConcept, rank_concepts
@@ -17,7 +18,6 @@ from shapeconcepts.report.html.scan_preview import ScanPreview
 from shapeconcepts.report.html.time_scale import TimeScale, annexation_counts
 from shapeconcepts.report.html.tree_layout import lay_out_tree
 from shapeconcepts.report.palette import NO_SEGMENT_COLOUR, SEGMENT_COLOURS
-from shapeconcepts.topology import Filtration
 from shapeconcepts.topology.divergence import jensen_shannon_divergences
 
 # All previews of a page together, so that the file stays under 25 MB however many scans there are.

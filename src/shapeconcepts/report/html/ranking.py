@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from shapeconcepts.topology import Concept
+from shapeconcepts.concepts import Concept
 
 # The small constant of the paper's equation for the rank score.
 EPSILON = 1e-3

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.topology import Filtration
+from shapeconcepts.concepts import Filtration
 
 # Steps of a logarithmic axis in which annexations are counted.
 N_STEPS = 60

@@ -1,0 +1,88 @@
+"""From groups of vertices of a topological space to concepts."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts.concepts.concept import Concept
+from shapeconcepts.concepts.medoid_kernels import medoids_of_groups
+from shapeconcepts.topology.groups import Groups, members_of_groups
+from shapeconcepts.topology.space import TopologicalSpace
+
+
+def lives(
+    groups: Groups, edges: NDArray[np.int32], times: NDArray[np.float64], n_joined: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Birth and death of each of the groups that the first edges connect.
+
+    Parameters
+    ----------
+    groups : Groups
+    edges : (e, 2) int32
+        In the order in which they enter.
+    times : (e,) float64
+        When they do.
+    n_joined : int
+        Number of edges that connect the groups.
+
+    Returns
+    -------
+    births, deaths : (n_groups,) float64
+        The last time of an edge within a group, 0 without any; the first of one that leaves it, infinite
+        without any.
+    """
+    births = np.zeros(groups.n_groups)
+    np.maximum.at(births, groups.of_vertex[edges[:n_joined, 0]], times[:n_joined])
+    deaths = np.full(groups.n_groups, np.inf)
+    for end in edges[n_joined:].T:
+        np.minimum.at(deaths, groups.of_vertex[end], times[n_joined:])
+    return births, deaths
+
+
+def concepts_of_groups(
+    space: TopologicalSpace,
+    groups: Groups,
+    chosen: NDArray[np.int64],
+    births: NDArray[np.float64],
+    deaths: NDArray[np.float64],
+) -> list[Concept]:
+    """Concepts of the chosen groups of a space's vertices, in this order.
+
+    Parameters
+    ----------
+    space : TopologicalSpace
+        Fitted.
+    groups : Groups
+    chosen : (k,) int64
+        Groups with at least one object.
+    births, deaths : (n_groups,) float64
+    """
+    members, starts = members_of_groups(groups.of_object, groups.n_groups)
+    medoids = _medoids(space, chosen, *members_of_groups(groups.of_vertex, groups.n_groups))
+    return [
+        Concept(members[starts[k] : starts[k + 1]], medoid, float(births[k]), float(deaths[k]))
+        for k, medoid in zip(chosen.tolist(), medoids.tolist(), strict=True)
+    ]
+
+
+def _medoids(
+    space: TopologicalSpace,
+    groups: NDArray[np.int64],
+    vertices: NDArray[np.int64],
+    starts: NDArray[np.int64],
+) -> NDArray[np.int64]:
+    """First object at each group's place of smallest mean divergence to the group's objects."""
+    rows = space.rows_
+    places = medoids_of_groups(
+        rows.indptr.astype(np.int64),
+        rows.indices.astype(np.int32),
+        rows.data,
+        rows.shape[1],
+        space.multiplicities_,
+        vertices,
+        starts,
+        groups,
+    )
+    objects, object_starts = members_of_groups(space.vertices_, rows.shape[0])
+    return objects[object_starts[places]]

@@ -1,0 +1,26 @@
+"""Data sets: the simulator, and public data sets as they are published."""
+
+from shapeconcepts.simulation import CATEGORIES, PART_NAMES, SensorModel, scan_mesh, simulate, simulate_scan
+from shapeconcepts.sources import (
+    PAPER_CATEGORIES,
+    load_labelled,
+    load_oscd,
+    load_osd,
+    load_washington,
+    split_of,
+)
+
+__all__ = [
+    "CATEGORIES",
+    "PAPER_CATEGORIES",
+    "PART_NAMES",
+    "SensorModel",
+    "load_labelled",
+    "load_oscd",
+    "load_osd",
+    "load_washington",
+    "scan_mesh",
+    "simulate",
+    "simulate_scan",
+    "split_of",
+]

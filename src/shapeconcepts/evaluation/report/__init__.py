@@ -1,0 +1,7 @@
+"""The evaluation as figures for a publication and as one HTML file."""
+
+from shapeconcepts.evaluation.report.drawing import draw_all
+from shapeconcepts.evaluation.report.figure_files import save_figures
+from shapeconcepts.evaluation.report.page import write_evaluation
+
+__all__ = ["draw_all", "save_figures", "write_evaluation"]

@@ -1,0 +1,69 @@
+"""Kernels over the points of a scan."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts.kernels import kernel
+
+
+@kernel
+def centroid(points: NDArray[np.float64]) -> tuple[float, float, float]:
+    """Mean of points, (n, 3), added up one after the other."""
+    x = y = z = 0.0
+    for i in range(len(points)):
+        x += points[i, 0]
+        y += points[i, 1]
+        z += points[i, 2]
+    return x / len(points), y / len(points), z / len(points)
+
+
+@kernel
+def centred_rows(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points, (n, 3), relative to their centroid, as (3, n)."""
+    x, y, z = centroid(points)
+    rows = np.empty((3, len(points)))
+    for i in range(len(points)):
+        rows[0, i], rows[1, i], rows[2, i] = points[i, 0] - x, points[i, 1] - y, points[i, 2] - z
+    return rows
+
+
+@kernel
+def sorted_by_cell(
+    points: NDArray[np.float64],
+    origin: tuple[float, float, float],
+    keys: NDArray[np.int64],
+    order: NDArray[np.int64],
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int32]]:
+    """Points, (n, 3), relative to an origin, cell after cell.
+
+    Parameters
+    ----------
+    keys : (n,) int64
+        Cell of each point.
+    order : (n,) int64
+        The points in the order of rising keys.
+
+    Returns
+    -------
+    offsets : (n, 3) float64
+    starts : (c,) int64
+        Where the points of each cell start.
+    cell_of_point : (n,) int32
+    """
+    n = len(points)
+    x, y, z = origin
+    offsets = np.empty((n, 3))
+    starts = np.empty(n, np.int64)
+    cell_of_point = np.empty(n, np.int32)
+    n_cells = 0
+    for place in range(n):
+        i = order[place]
+        if place == 0 or keys[i] != keys[order[place - 1]]:
+            starts[n_cells] = place
+            n_cells += 1
+        cell_of_point[i] = n_cells - 1
+        offsets[place, 0], offsets[place, 1] = points[i, 0] - x, points[i, 1] - y
+        offsets[place, 2] = points[i, 2] - z
+    return offsets, starts[:n_cells], cell_of_point

@@ -1,0 +1,226 @@
+"""Reads many scans: files, folders, and folders of category folders."""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+from typing import NamedTuple, TypedDict, Unpack
+
+from shapeconcepts.io.depth_image import Intrinsics, Mask
+from shapeconcepts.scan import Scan, ScanError, ScanWarning
+from shapeconcepts.sources.reader import SCAN_SUFFIXES, Viewpoint, read_scan
+
+Source = str | PathLike[str] | Iterable[str | PathLike[str]]
+
+
+class ReadOptions(TypedDict, total=False):
+    """Parameters of `read_scan` that hold for all files; `mask` may be a folder."""
+
+    viewpoint: Viewpoint
+    intrinsics: Intrinsics | None
+    mask: Mask | None
+    depth_scale: float
+
+
+class ScanFile(NamedTuple):
+    """A file to read, the name and label that its scan gets, and its path inside the folder given."""
+
+    path: Path
+    name: str
+    label: str | None
+    inside: Path
+
+
+class ScanList(list[Scan]):
+    """A list of scans that also knows which files could not be read.
+
+    Attributes
+    ----------
+    skipped : list of ScanError
+        One for each file that is missing from the list; the message names the file and the reason.
+    """
+
+    def __init__(self, scans: Iterable[Scan] = (), skipped: Iterable[ScanError] = ()) -> None:
+        super().__init__(scans)
+        self.skipped = list(skipped)
+
+
+def find_scan_files(source: Source) -> list[ScanFile]:
+    """List what `read_scans` reads, in its order, without opening a file.
+
+    Parameters
+    ----------
+    source : path or iterable of paths
+        Files and folders. A folder gives all files below it with a known suffix, hidden ones left out, in
+        natural order (2 before 10). Files in its sub-folders get the sub-folder's name as their label.
+
+    Returns
+    -------
+    list of ScanFile
+        A file from a folder is named by its path inside that folder, any other by the given path.
+
+    Raises
+    ------
+    ScanError
+        If a folder cannot be listed or holds no scan, or no source is given.
+    """
+    paths = [source] if isinstance(source, str | PathLike) else list(source)
+    if not paths:
+        raise ScanError("no file or folder to read scans from is given")
+    files: list[ScanFile] = []
+    for path in map(Path, paths):
+        files += _files_below(path) if path.is_dir() else [ScanFile(path, str(path), None, Path(path.name))]
+    return files
+
+
+def iter_scans(files: Iterable[ScanFile], **options: Unpack[ReadOptions]) -> Iterator[Scan | ScanError]:
+    """Read files one after the other; a file that cannot be read gives its error instead of a scan.
+
+    Parameters
+    ----------
+    files : iterable of ScanFile
+        As `find_scan_files` lists them.
+    **options
+        `viewpoint`, `intrinsics`, `mask` and `depth_scale` of `read_scan`. Of depth images, several may share
+        one mask, or `mask` is a folder that holds a mask of the same name (and sub-folder) for each. Other
+        scans have none.
+
+    Yields
+    ------
+    Scan or ScanError
+        One for each file, in the same order.
+    """
+    for file in files:
+        try:
+            own_options: ReadOptions = {**options, "mask": _mask(file, options.get("mask"))}
+            yield replace(read_scan(file.path, **own_options), name=file.name, label=file.label)
+        except ScanError as error:
+            yield error
+
+
+def read_scans(source: Source, *, strict: bool = False, **options: Unpack[ReadOptions]) -> ScanList:
+    """Read all scans in files, in a folder, or in a folder of category folders.
+
+    Parameters
+    ----------
+    source : path or iterable of paths
+        Files and folders, see `find_scan_files`. Names of sub-folders become the labels.
+    strict : bool
+        Raise at the first file that cannot be read. By default such files are left out, listed in
+        `ScanList.skipped`, and one ScanWarning tells so.
+    **options
+        `viewpoint`, `intrinsics`, `mask` and `depth_scale` of `read_scan`, see `iter_scans`.
+
+    Returns
+    -------
+    ScanList
+        The scans, in natural order of their files.
+
+    Raises
+    ------
+    ScanError
+        If there is nothing to read, no file can be read, or with `strict` one cannot.
+    """
+    return collect(iter_scans(find_scan_files(source), **options), strict=strict)
+
+
+def collect(results: Iterable[Scan | ScanError], *, strict: bool = False) -> ScanList:
+    """List the scans among results, and the errors as skipped; a ScanWarning tells of them.
+
+    Parameters
+    ----------
+    results : iterable of Scan or ScanError
+        One for each file, at least one.
+    strict : bool
+        Raise at the first error.
+
+    Raises
+    ------
+    ScanError
+        If no result is a scan, or with `strict` one is not.
+    """
+    scans = ScanList()
+    for result in results:
+        if isinstance(result, Scan):
+            scans.append(result)
+        elif strict:
+            raise result
+        else:
+            scans.skipped.append(result)
+    n_skipped = len(scans.skipped)
+    if not scans:
+        others = f" (and {n_skipped - 1} other files cannot be read either)" if n_skipped > 1 else ""
+        raise ScanError(f"{scans.skipped[0]}{others}")
+    if scans.skipped:
+        reasons = [str(error) for error in scans.skipped[:3]]
+        more = ["..."] if n_skipped > 3 else []
+        warnings.warn(
+            f"{n_skipped} of {n_skipped + len(scans)} scans are left out: " + "; ".join(reasons + more),
+            ScanWarning,
+            stacklevel=3,
+        )
+    return scans
+
+
+def existing_folder(folder: str | PathLike[str]) -> Path:
+    """The path of a folder; ScanError where there is none."""
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise ScanError(f"{folder}: there is no such folder")
+    return folder
+
+
+def _mask(file: ScanFile, mask: Mask | None) -> Mask | None:
+    """The mask of one of several files."""
+    if file.path.suffix.lower() != ".png":
+        return None
+    if isinstance(mask, str | PathLike) and Path(mask).is_dir():
+        return Path(mask) / file.inside
+    return mask
+
+
+def _files_below(folder: Path) -> list[ScanFile]:
+    files = []
+    for path in sorted(scan_paths(folder), key=lambda path: _natural_order(path.relative_to(folder))):
+        inside = path.relative_to(folder)
+        label = inside.parts[0] if len(inside.parts) > 1 else None
+        files.append(ScanFile(path, inside.as_posix(), label, inside))
+    if not files:
+        raise ScanError(f"{folder}: holds no scans, that is no files {' '.join(SCAN_SUFFIXES)}")
+    return files
+
+
+def scan_paths(folder: Path) -> Iterator[Path]:
+    """Files below a folder with a known suffix, hidden ones left out, in no particular order.
+
+    ScanError if a folder cannot be listed.
+    """
+
+    def fail(error: OSError) -> None:
+        raise ScanError(f"{error.filename}: cannot be listed ({error.strerror})") from None
+
+    # Linked folders count, but not when they lead back to where one comes from.
+    seen: set[str] = set()
+    for place, folders, names in os.walk(folder, onerror=fail, followlinks=True):
+        seen.add(os.path.realpath(place))
+        folders[:] = sorted(
+            name
+            for name in folders
+            if not name.startswith(".") and os.path.realpath(os.path.join(place, name)) not in seen
+        )
+        for name in names:
+            if not name.startswith(".") and Path(name).suffix.lower() in SCAN_SUFFIXES:
+                yield Path(place, name)
+
+
+def _natural_order(path: Path) -> list[tuple[list[tuple[int, str]], str]]:
+    """Sort key in which numbers within names compare as numbers, and equal ones by their text."""
+    return [
+        ([(int(piece), "") if piece.isdecimal() else (-1, piece) for piece in re.split(r"(\d+)", part)], part)
+        for part in path.parts
+    ]
