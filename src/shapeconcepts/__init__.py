@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from importlib import import_module
+from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any
 
 from shapeconcepts.scan import Scan, ScanError, ScanWarning
+from shapeconcepts.version import __version__
 
 if TYPE_CHECKING:
     from shapeconcepts import datasets
@@ -14,19 +16,19 @@ if TYPE_CHECKING:
         FPFH,
         Curvature,
         DescribedObject,
+        Description,
+        Joint,
         Surflet,
         compute_principal_curvatures,
         describe,
         get_descriptor,
     )
-    from shapeconcepts.model import ShapeConceptModel
-    from shapeconcepts.model_file import ModelError, load_model
+    from shapeconcepts.model import ShapeConceptModel, load_model
+    from shapeconcepts.model_file import ModelError
     from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary, decompose
-    from shapeconcepts.segmentation import SegmentedObject, segment
+    from shapeconcepts.segmentation import SegmentedObject, Segmenter, segment
     from shapeconcepts.sources import read_scan, read_scans
     from shapeconcepts.topology import TopologicalSpace
-
-__version__ = "0.1.0"
 
 __all__ = [
     "FPFH",
@@ -34,7 +36,9 @@ __all__ = [
     "ConceptResponse",
     "Curvature",
     "DescribedObject",
+    "Description",
     "Filtration",
+    "Joint",
     "ModelError",
     "MotifHierarchyEnsemble",
     "Scan",
@@ -42,6 +46,7 @@ __all__ = [
     "ScanWarning",
     "SegmentDictionary",
     "SegmentedObject",
+    "Segmenter",
     "ShapeConceptModel",
     "Surflet",
     "TopologicalSpace",
@@ -58,40 +63,38 @@ __all__ = [
 ]
 
 # numba and scikit-learn take longer to import than everything else together: these are imported when they are
-# first used.
-_HOME_OF = {
-    "FPFH": ".descriptors",
-    "Concept": ".concepts",
-    "ConceptResponse": ".concepts",
-    "Curvature": ".descriptors",
-    "DescribedObject": ".descriptors",
-    "Filtration": ".concepts",
-    "ModelError": ".model_file",
-    "MotifHierarchyEnsemble": ".motifs",
-    "SegmentDictionary": ".motifs",
-    "SegmentedObject": ".segmentation",
-    "ShapeConceptModel": ".model",
-    "Surflet": ".descriptors",
-    "TopologicalSpace": ".topology",
-    "compute_principal_curvatures": ".descriptors",
-    "decompose": ".motifs",
-    "describe": ".descriptors",
-    "get_descriptor": ".descriptors",
-    "load_model": ".model_file",
-    "read_scan": ".sources",
-    "read_scans": ".sources",
-    "segment": ".segmentation",
+# first used, and so are the packages themselves.
+_NAMES_IN = {
+    "concepts": ("Concept", "ConceptResponse", "Filtration"),
+    "descriptors": (
+        "FPFH",
+        "Curvature",
+        "DescribedObject",
+        "Description",
+        "Joint",
+        "Surflet",
+        "compute_principal_curvatures",
+        "describe",
+        "get_descriptor",
+    ),
+    "model": ("ShapeConceptModel", "load_model"),
+    "model_file": ("ModelError",),
+    "motifs": ("MotifHierarchyEnsemble", "SegmentDictionary", "decompose"),
+    "segmentation": ("SegmentedObject", "Segmenter", "segment"),
+    "sources": ("read_scan", "read_scans"),
+    "topology": ("TopologicalSpace",),
 }
+_HOME_OF = {name: home for home, names in _NAMES_IN.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
-    if name == "datasets":
-        return import_module(".datasets", __name__)
-    if name not in _HOME_OF:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(_HOME_OF[name], __name__), name)
-    globals()[name] = value
-    return value
+    if name in _HOME_OF:
+        value = getattr(import_module(f".{_HOME_OF[name]}", __name__), name)
+        globals()[name] = value
+        return value
+    if any(module.name == name for module in iter_modules(__path__)):
+        return import_module(f".{name}", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:

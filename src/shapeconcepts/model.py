@@ -2,55 +2,52 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Callable, Iterable
+from numbers import Integral
 from os import PathLike
+from typing import Any, ClassVar
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
-from sklearn.base import BaseEstimator, TransformerMixin
+from sklearn.base import BaseEstimator, ClusterMixin, TransformerMixin, clone
+from sklearn.utils._param_validation import HasMethods
 from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.concepts import Concept, ConceptResponse, Filtration
-from shapeconcepts.concepts.response import DISTANCES
-from shapeconcepts.descriptors import DescribedObject, Descriptor, describe, get_descriptor
-from shapeconcepts.motifs import Explanation, MotifHierarchyEnsemble, SegmentDictionary
-from shapeconcepts.parameters import check_choice
-from shapeconcepts.scan import ScanError, ScanWarning
-from shapeconcepts.segmentation import SegmentedObject, segment
+from shapeconcepts.descriptors import (
+    DescribedObject,
+    Descriptor,
+    describe_scan,
+    describe_scans,
+    list_of_scans,
+)
+from shapeconcepts.descriptors.registry import DEFAULT, DESCRIPTORS
+from shapeconcepts.model_file import ModelState, read_state, write_state
+from shapeconcepts.motifs import Explanation, MotifHierarchyEnsemble
+from shapeconcepts.parameters import StagesMixin, check_parameters, choice
+from shapeconcepts.scan import ScanError
+from shapeconcepts.segmentation import SegmentedObject, Segmenter
 
 PRESETS = ("default", "paper")
 
 
-class ShapeConceptModel(TransformerMixin, BaseEstimator):
+class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimator):
     """Learns shape concepts from scans of objects, without labels.
 
-    A scan is cut into surface segments; its constellations of segments are turned into stimuli of the motifs
-    that the hierarchies learned; the stimuli of all scans span a topological space, whose filtration yields
-    the concepts; and a concept's response says how much a scan resembles it.
+    A scan is cut into surface segments, which histograms describe; its constellations of segments are turned
+    into stimuli of the motifs that the hierarchies learned; the stimuli of all scans span a topological
+    space, whose filtration yields the concepts; and a concept's response says how much a scan resembles it.
 
     Parameters
     ----------
+    segmenter : Segmenter, optional
     descriptor : {"surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"} or Descriptor
-        Describes segments. A model with a descriptor of one's own cannot be saved.
-    n_levels : int
-        Levels of the dictionary.
-    word_metric : {"hellinger", "euclidean"}
-        See `SegmentDictionary`.
-    columns, n_neighbours, bandwidth, leave_own_out, min_support
-        See `MotifHierarchyEnsemble`.
-    heat, stop
-        See `Filtration`.
-    response_distance : {"divergence", "mahalanobis"}
-        See `ConceptResponse`.
-    min_concept_size : int
-        Smallest number of scans in a concept, at least 2.
-    max_steps : int
-        See `Filtration`.
-    voxel_size, seed_size, max_segments
-        See `segment`.
+        A model with a descriptor of one's own cannot be saved.
+    ensemble : MotifHierarchyEnsemble, optional
+    filtration : Filtration, optional
+    response : ConceptResponse, optional
     n_jobs : int or None
         As in joblib. The result does not depend on it.
 
@@ -62,91 +59,87 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         Largest first. Their `name` can be set, and is saved with the model.
     stimuli_ : (n, n_motifs) csr_matrix of float64
         Stimuli of the training scans; the row of a skipped scan is empty.
-    filtration_ : Filtration
-    response_ : ConceptResponse
-    ensemble_ : MotifHierarchyEnsemble
+    segmenter_, descriptor_, ensemble_, filtration_, response_
+        The stages as they were fitted.
     scan_names_ : list of str
     scan_labels_ : list of (str or None)
         Labels that came with the training scans. Nothing is learned from them.
     skipped_ : dict of int to str
-        Training scans that could not be segmented, with the reason.
+        Training scans that could not be described, with the reason.
+    n_features_in_ : int
+        3: the coordinates of a point.
+
+    Examples
+    --------
+    A stage is an object, and can be exchanged or set:
+
+    >>> from shapeconcepts import Filtration, ShapeConceptModel
+    >>> ShapeConceptModel(filtration=Filtration(min_concept_size=5)).filtration.min_concept_size
+    5
+    >>> ShapeConceptModel().set_params(segmenter__max_segments=8).segmenter.max_segments
+    8
     """
+
+    _default_stages: ClassVar[dict[str, Callable[[], BaseEstimator]]] = {
+        "segmenter": Segmenter,
+        "ensemble": MotifHierarchyEnsemble,
+        "filtration": Filtration,
+        "response": ConceptResponse,
+    }
+    _parameter_constraints: ClassVar[dict[str, list[Any]]] = {
+        "segmenter": [HasMethods(["segment"]), None],
+        "descriptor": [choice(*DESCRIPTORS), HasMethods(["describe"])],
+        "ensemble": [HasMethods(["fit", "transform"]), None],
+        "filtration": [HasMethods(["fit"]), None],
+        "response": [HasMethods(["fit", "transform", "predict"]), None],
+        "n_jobs": [Integral, None],
+    }
 
     def __init__(
         self,
         *,
-        descriptor: str | Descriptor = "surflet+fpfh+curvature",
-        n_levels: int = 2,
-        word_metric: str = "hellinger",
-        columns: str = "prototypes",
-        n_neighbours: int | None = None,
-        bandwidth: float = 0.1,
-        leave_own_out: bool = True,
-        min_support: int = 2,
-        heat: str = "separation",
-        stop: str = "refusal",
-        response_distance: str = "divergence",
-        min_concept_size: int = 3,
-        max_steps: int = 200,
-        voxel_size: float | str = "auto",
-        seed_size: float = 0.02,
-        max_segments: int = 12,
+        segmenter: Segmenter | None = None,
+        descriptor: str | Descriptor = DEFAULT,
+        ensemble: MotifHierarchyEnsemble | None = None,
+        filtration: Filtration | None = None,
+        response: ConceptResponse | None = None,
         n_jobs: int | None = None,
     ) -> None:
+        self.segmenter = segmenter
         self.descriptor = descriptor
-        self.n_levels = n_levels
-        self.word_metric = word_metric
-        self.columns = columns
-        self.n_neighbours = n_neighbours
-        self.bandwidth = bandwidth
-        self.leave_own_out = leave_own_out
-        self.min_support = min_support
-        self.heat = heat
-        self.stop = stop
-        self.response_distance = response_distance
-        self.min_concept_size = min_concept_size
-        self.max_steps = max_steps
-        self.voxel_size = voxel_size
-        self.seed_size = seed_size
-        self.max_segments = max_segments
+        self.ensemble = ensemble
+        self.filtration = filtration
+        self.response = response
         self.n_jobs = n_jobs
 
     @classmethod
-    def preset(cls, name: str, **parameters: object) -> ShapeConceptModel:
-        """A model with a named choice of parameters.
+    def preset(cls, name: str, **parameters: Any) -> ShapeConceptModel:
+        """A model with a named choice of stages.
 
         Parameters
         ----------
         name : {"default", "paper"}
-            "paper" takes the paper at its word, see `MotifHierarchyEnsemble.preset`: with "geodesic" heat,
-            concepts at the time of the most annexations, and Mahalanobis distances.
+            "paper" follows the paper: FPFH, `MotifHierarchyEnsemble.preset`, "geodesic" heat, concepts at the
+            time of the most annexations, and Mahalanobis distances. Where it differs: docs/paper.md.
         **parameters
-            Parameters that differ from the preset.
+            Parameters that differ from the preset, as `set_params` takes them.
 
         Raises
         ------
         ValueError
-            If there is no such preset.
+            If there is no such preset or parameter.
         """
         if name not in PRESETS:
             raise ValueError(f"preset must be one of {', '.join(map(repr, PRESETS))}, got {name!r}")
-        if name == "default":
-            return cls(**parameters)  # type: ignore[arg-type]
-        ensemble = MotifHierarchyEnsemble.preset(name)
-        assert ensemble.dictionary is not None
-        preset = {
-            "descriptor": ensemble.descriptor,
-            "n_levels": ensemble.dictionary.n_levels,
-            "word_metric": ensemble.dictionary.metric,
-            "columns": ensemble.columns,
-            "bandwidth": ensemble.bandwidth,
-            "leave_own_out": ensemble.leave_own_out,
-            "min_support": ensemble.min_support,
-            "heat": "geodesic",
-            "stop": "annexations",
-            "response_distance": "mahalanobis",
-        }
-        return cls(**{**preset, **parameters})  # type: ignore[arg-type]
+        model = cls()
+        if name == "paper":
+            model = cls(
+                descriptor="fpfh",
+                ensemble=MotifHierarchyEnsemble.preset("paper"),
+                filtration=Filtration(heat="geodesic", stop="annexations"),
+                response=ConceptResponse("mahalanobis"),
+            )
+        return model.set_params(**parameters)
 
     def fit(self, X: Iterable[object], y: object = None) -> ShapeConceptModel:
         """Learn concepts from scans.
@@ -163,43 +156,45 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         Raises
         ------
         ScanError
-            If no scan can be segmented.
+            If no scan can be described.
         ValueError
-            If a parameter is out of range, or X is empty.
+            If a parameter is out of range, or X is empty or a single scan.
 
         Warns
         -----
         ScanWarning
-            If scans cannot be segmented: they are skipped, see `skipped_`.
+            If scans cannot be described: they are skipped, see `skipped_`.
         UserWarning
             If the filtration finds no concepts.
         """
-        ensemble = MotifHierarchyEnsemble(
-            SegmentDictionary(self.n_levels, self.word_metric),
-            descriptor=self.descriptor,
-            columns=self.columns,
-            n_neighbours=self.n_neighbours,
-            bandwidth=self.bandwidth,
-            leave_own_out=self.leave_own_out,
-            min_support=self.min_support,
-            n_jobs=self.n_jobs,
-        )
-        filtration = Filtration(self.min_concept_size, self.max_steps, self.heat, self.stop)
-        response = ConceptResponse(check_choice("response_distance", self.response_distance, DISTANCES))
         # What is wrong is said before hours of segmentation.
-        ensemble.check_parameters()
-        filtration.check_parameters()
-        scans = list(X)
-        described, self.skipped_ = self._describe(scans)
-        self.scan_names_ = [str(getattr(scan, "name", "") or "") for scan in scans]
-        self.scan_labels_ = [getattr(scan, "label", None) for scan in scans]
-        self.ensemble_ = ensemble.fit([one for one in described if one])
-        self.stimuli_ = _spread(self.ensemble_.stimuli_, described)
-        self.filtration_ = filtration.fit(self.stimuli_)
-        self.concepts_: list[Concept] = self.filtration_.concepts_
-        self.labels_: NDArray[np.int32] = self.filtration_.labels_
-        self.response_ = response.fit(self.stimuli_, self.labels_)
-        return self
+        check_parameters(self)
+        scans = list_of_scans(X)
+        if not scans:
+            raise ValueError("X must hold at least one scan, got none")
+        segmenter, descriptor = self._stage("segmenter"), clone(self.descriptor, safe=False)
+        ensemble, filtration, response = map(self._stage, ("ensemble", "filtration", "response"))
+        described, skipped = describe_scans(scans, segmenter, descriptor, self.n_jobs)
+
+        ensemble.set_params(n_jobs=self.n_jobs).fit([one for one in described if one])
+        stimuli = _spread(ensemble.stimuli_, described)
+        filtration.fit(stimuli)
+        response.fit(stimuli, filtration.labels_)
+
+        names = [str(getattr(scan, "name", "") or "") for scan in scans]
+        labels = [getattr(scan, "label", None) for scan in scans]
+        return self._remember(
+            ModelState(segmenter, descriptor, ensemble, filtration, response, stimuli, names, labels, skipped)
+        )
+
+    def fit_transform(self, X: Iterable[object], y: object = None) -> NDArray[np.float64]:
+        """Learn from scans, and give their responses by `stimuli_`, in which no scan's own motifs count.
+
+        `transform` of the same scans would leave nothing out, and describe each of them again. Parameters,
+        errors and warnings are those of `fit`.
+        """
+        self.fit(X)
+        return self.response_.transform(self.stimuli_)
 
     def stimuli(self, X: Iterable[object]) -> csr_matrix:
         """Stimuli of scans: what the responses are computed from.
@@ -209,10 +204,11 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         Returns
         -------
         (m, n_motifs) csr_matrix of float64
-            The row of a scan that cannot be segmented is empty.
+            The row of a scan that cannot be described is empty.
         """
         check_is_fitted(self, "response_")
-        described, _ = self._describe(X)
+        described, _ = describe_scans(list_of_scans(X), self.segmenter_, self.descriptor_, self.n_jobs)
+        self.ensemble_.n_jobs = self.n_jobs
         return _spread(self.ensemble_.transform([one for one in described if one]), described)
 
     def transform(self, X: Iterable[object]) -> NDArray[np.float64]:
@@ -230,17 +226,20 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         Raises
         ------
         ScanError
-            If no scan can be segmented.
+            If no scan can be described.
+        ValueError
+            If X is a single scan.
 
         Warns
         -----
         ScanWarning
-            If a scan cannot be segmented.
+            If a scan cannot be described.
         """
-        return self.response_.transform(self.stimuli(X))
+        stimuli = self.stimuli(X)
+        return self.response_.transform(stimuli)
 
     def predict(self, X: Iterable[object]) -> NDArray[np.int64]:
-        """Concept whose ten nearest training scans are nearest on average, -1 for a scan unlike all.
+        """Concept whose nearest training scans are nearest on average, -1 for a scan unlike all.
 
         Parameters, errors and warnings are those of `transform`.
 
@@ -249,7 +248,8 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         (m,) int64
             Position in `concepts_`, or -1.
         """
-        return self.response_.predict(self.stimuli(X))
+        stimuli = self.stimuli(X)
+        return self.response_.predict(stimuli)
 
     def explain(self, scan: object) -> Explanation:
         """Which motifs a scan fires, how strongly, and which training scans they come from.
@@ -257,60 +257,79 @@ class ShapeConceptModel(TransformerMixin, BaseEstimator):
         Raises
         ------
         ScanError
-            If the scan cannot be segmented.
+            If the scan cannot be described.
         """
         check_is_fitted(self, "response_")
-        described, _ = self._describe([scan])
-        assert described[0] is not None
-        return self.ensemble_.explain(described[0])
+        described = describe_scan(self.segmenter_, self.descriptor_, scan)
+        if isinstance(described, ScanError):
+            raise described
+        return self.ensemble_.explain(described)
 
     def get_feature_names_out(self, input_features: object = None) -> NDArray[np.object_]:
-        """Names of the columns of `transform`: the concepts' own names where they have one."""
+        """Names of the columns of `transform`: the concepts' own, with their numbers where they are equal."""
         check_is_fitted(self, "response_")
         names = [concept.name or f"concept{number}" for number, concept in enumerate(self.concepts_)]
+        while len(set(names)) < len(names):
+            counts = Counter(names)
+            names = [name if counts[name] == 1 else f"{name} ({i})" for i, name in enumerate(names)]
         return np.array(names, dtype=object)
 
     def segment(self, scan: object) -> SegmentedObject:
-        """Segments of a scan, cut as for this model; see `shapeconcepts.segment`."""
-        return segment(
-            scan, voxel_size=self.voxel_size, seed_size=self.seed_size, max_segments=self.max_segments
-        )
+        """Segments of a scan, cut as by this model; see `Segmenter.segment`."""
+        segmenter: Segmenter = getattr(self, "segmenter_", None) or self._stage("segmenter")
+        return segmenter.segment(scan)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write the model to a file that `load_model` reads; see `shapeconcepts.model_file`."""
-        from shapeconcepts.model_file import save_model
+        """Write the model to a file that `load_model` reads; see `shapeconcepts.model_file.write_state`."""
+        check_is_fitted(self, "response_")
+        write_state(
+            path,
+            ModelState(
+                self.segmenter_,
+                self.descriptor_,
+                self.ensemble_,
+                self.filtration_,
+                self.response_,
+                self.stimuli_,
+                self.scan_names_,
+                self.scan_labels_,
+                self.skipped_,
+            ),
+        )
 
-        save_model(self, path)
-
-    def _describe(self, X: Iterable[object]) -> tuple[list[DescribedObject | None], dict[int, str]]:
-        """Segment and describe scans; None, with the reason, where that is not possible."""
-        scans = list(X)
-        if not scans:
-            raise ValueError("X must hold at least one scan, got none")
-        get_descriptor(self.descriptor)
-        results = Parallel(self.n_jobs)(delayed(_describe_one)(self, scan) for scan in scans)
-        skipped = {i: str(result) for i, result in enumerate(results) if isinstance(result, ScanError)}
-        if len(skipped) == len(scans):
-            raise ScanError(skipped[0])
-        if skipped:
-            reasons = "; ".join([f"number {i}: {reason}" for i, reason in skipped.items()][:3])
-            more = "; ..." if len(skipped) > 3 else ""
-            warnings.warn(
-                f"{len(skipped)} of {len(scans)} scans are skipped: {reasons}{more}",
-                ScanWarning,
-                stacklevel=3,
-            )
-        return [None if isinstance(result, ScanError) else result for result in results], skipped
+    def _remember(self, state: ModelState) -> ShapeConceptModel:
+        """Be fitted."""
+        for name, value in state._asdict().items():
+            setattr(self, f"{name}_", value)
+        self.concepts_: list[Concept] = state.filtration.concepts_
+        self.labels_: NDArray[np.int32] = state.filtration.labels_.copy()
+        self.n_features_in_ = 3
+        return self
 
 
-def _describe_one(model: ShapeConceptModel, scan: object) -> DescribedObject | ScanError:
-    if isinstance(scan, DescribedObject):
-        return scan
-    try:
-        segmented = scan if isinstance(scan, SegmentedObject) else model.segment(scan)
-        return describe(segmented, model.descriptor)
-    except ScanError as error:
-        return error
+def load_model(path: str | PathLike[str]) -> ShapeConceptModel:
+    """Read a model that `ShapeConceptModel.save` wrote.
+
+    It answers like the one that was saved, to the last bit; see `shapeconcepts.model_file.read_state`.
+
+    Parameters
+    ----------
+    path : str or path
+
+    Returns
+    -------
+    ShapeConceptModel
+        With `n_jobs` None.
+
+    Raises
+    ------
+    ModelError
+        If there is no such file, it is no model, damaged, or newer or older than this version can read.
+    """
+    state = read_state(path)
+    stages = {name: getattr(state, name) for name in ("segmenter", "descriptor", "ensemble", "filtration")}
+    model = ShapeConceptModel(**{name: clone(stage, safe=False) for name, stage in stages.items()})
+    return model.set_params(response=clone(state.response))._remember(state)
 
 
 def _spread(rows: csr_matrix, described: list[DescribedObject | None]) -> csr_matrix:

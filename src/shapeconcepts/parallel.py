@@ -1,9 +1,9 @@
-"""Work on many objects in several jobs."""
+"""Work on many items in several jobs: the one place where the package does anything in parallel."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from itertools import pairwise
+from collections.abc import Callable, Iterable, Iterator, Sized
+from itertools import islice
 from typing import TypeVar
 
 from joblib import Parallel, delayed, effective_n_jobs
@@ -11,21 +11,48 @@ from joblib import Parallel, delayed, effective_n_jobs
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
+# Items that are sent at once: enough that sending costs nothing beside the work, few enough that all jobs end
+# at the same time.
+MOST_AT_ONCE = 32
+_CHUNKS_PER_JOB = 4
+_AT_ONCE_FROM_A_STREAM = 8
 
-def in_chunks(
-    function: Callable[..., list[Result]],
-    items: list[Item],
-    n_jobs: int | None,
-    prefer: str | None,
-    *arguments: object,
-) -> list[Result]:
-    """Apply a function of a list to equal shares of it, several for each job, so that none waits for long."""
+
+def map_in_order(
+    work: Callable[[Item], Result],
+    items: Iterable[Item],
+    n_jobs: int | None = None,
+    prefer: str | None = None,
+) -> Iterator[Result]:
+    """Results of work on items, in their order.
+
+    Work is sent along with each chunk of items, so it should carry parameters, not data. joblib decides where
+    it is done: ``joblib.parallel_config(backend=...)`` reaches a cluster.
+
+    Parameters
+    ----------
+    work : callable
+        Of one item.
+    items : iterable
+        Taken a few chunks ahead of the results.
+    n_jobs : int or None
+        As in joblib. The results do not depend on it.
+    prefer : {"threads", "processes"} or None
+        As in joblib: a wish that a backend chosen by the user overrides.
+    """
     n_jobs = effective_n_jobs(n_jobs)
-    if n_jobs == 1 or len(items) < 2:
-        return function(items, *arguments)
-    n_chunks = min(len(items), 4 * n_jobs)
-    bounds = [i * len(items) // n_chunks for i in range(n_chunks + 1)]
-    chunks = Parallel(n_jobs, prefer=prefer)(
-        delayed(function)(items[start:end], *arguments) for start, end in pairwise(bounds)
-    )
-    return [result for chunk in chunks for result in chunk]
+    if n_jobs == 1:
+        yield from map(work, items)
+        return
+    at_once = _AT_ONCE_FROM_A_STREAM
+    if isinstance(items, Sized):
+        at_once = min(max(len(items) // (_CHUNKS_PER_JOB * n_jobs), 1), MOST_AT_ONCE)
+    remaining = iter(items)
+    chunks = iter(lambda: list(islice(remaining, at_once)), [])
+    tasks = (delayed(_work_on)(work, chunk) for chunk in chunks)
+    for results in Parallel(n_jobs, prefer=prefer, return_as="generator")(tasks):
+        yield from results
+
+
+def _work_on(work: Callable[[Item], Result], chunk: list[Item]) -> list[Result]:
+    return [work(item) for item in chunk]

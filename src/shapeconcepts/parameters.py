@@ -1,29 +1,119 @@
-"""Checks of parameters that several modules share."""
+"""Parameters: what each may be stands once, in its estimator's `_parameter_constraints` (scikit-learn's)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from numbers import Integral, Real
+from typing import Any, ClassVar
 
 import numpy as np
+from sklearn.base import BaseEstimator, clone
+from sklearn.utils._param_validation import Interval, StrOptions, validate_parameter_constraints
+
+
+def whole_number(smallest: int, largest: int = 2**31 - 1) -> Interval:
+    """Constraint: a whole number within bounds."""
+    return Interval(Integral, smallest, largest, closed="both")
+
+
+def positive_number() -> Interval:
+    """Constraint: a finite number above 0."""
+    return Interval(Real, 0, 2**31, closed="neither")
+
+
+def share() -> Interval:
+    """Constraint: a number from 0 to 1."""
+    return Interval(Real, 0, 1, closed="both")
+
+
+def choice(*names: str) -> StrOptions:
+    """Constraint: one of several names."""
+    return StrOptions(set(names))
+
+
+def check_parameters(estimator: Any) -> None:
+    """Require the parameters of an estimator, and of those among them that are estimators, to be in range.
+
+    Raises
+    ------
+    ValueError
+        That names the first parameter that is not, its value, and what was expected.
+    """
+    parameters = estimator.get_params(deep=False)
+    constraints = estimator._parameter_constraints
+    for name, value in parameters.items():
+        # To Python, True is a whole number.
+        if isinstance(value, bool | np.bool_) and "boolean" not in constraints[name]:
+            value = repr(value)
+        validate_parameter_constraints(constraints, {name: value}, type(estimator).__name__)
+        for part in value if isinstance(value, tuple | list) else (value,):
+            if hasattr(part, "_parameter_constraints"):
+                check_parameters(part)
+
+
+class StagesMixin:
+    """For estimators that are made of others: a stage that is None stands for its default.
+
+    Its parameters can be set all the same, as in ``set_params(filtration__stop="annexations")``.
+
+    Attributes
+    ----------
+    _default_stages : dict of str to callable
+        What makes the default of each stage that may be None.
+    """
+
+    _default_stages: ClassVar[dict[str, Callable[[], BaseEstimator]]]
+
+    def get_params(self, deep: bool = True) -> dict[str, Any]:
+        """Parameters as in scikit-learn, with those of default stages."""
+        parameters: dict[str, Any] = super().get_params(deep)  # type: ignore[misc]
+        for name, default in self._default_stages.items() if deep else ():
+            if parameters[name] is None:
+                parameters.update({f"{name}__{key}": value for key, value in default().get_params().items()})
+        return parameters
+
+    def set_params(self, **parameters: Any) -> Any:
+        """Set parameters as in scikit-learn."""
+        for name in {key.partition("__")[0] for key in parameters if "__" in key}:
+            if name in self._default_stages and getattr(self, name) is None and name not in parameters:
+                setattr(self, name, self._default_stages[name]())
+        return super().set_params(**parameters)  # type: ignore[misc]
+
+    def _stage(self, name: str) -> Any:
+        """A stage to be fitted: a copy of the parameter, or the default."""
+        stage = getattr(self, name)
+        return self._default_stages[name]() if stage is None else clone(stage)
+
+
+def as_list(X: object, one: type | tuple[type, ...]) -> list[Any]:
+    """The objects of an iterable.
+
+    Raises
+    ------
+    ValueError
+        If X is a single object, that is of a type of `one`, or no iterable.
+    """
+    if isinstance(X, one) or not isinstance(X, Iterable):
+        raise ValueError(f"X must be a list, got a single {type(X).__name__}: wrap it in a list, [X]")
+    return list(X)
 
 
 def check_length(name: str, value: object) -> float:
-    """Return a positive number of metres, or raise a ValueError that names the parameter."""
+    """Return a positive number of metres, or raise a ValueError that names the argument."""
     if isinstance(value, bool) or not isinstance(value, Real) or not 0 < float(value) < np.inf:
         raise ValueError(f"{name} must be a positive number of metres, got {value!r}")
     return float(value)
 
 
 def check_integer(name: str, value: object, smallest: int) -> int:
-    """Return an integer of at least `smallest`, or raise a ValueError that names the parameter."""
+    """Return an integer of at least `smallest`, or raise a ValueError that names the argument."""
     if isinstance(value, bool) or not isinstance(value, Integral) or value < smallest:
         raise ValueError(f"{name} must be an integer of at least {smallest}, got {value!r}")
     return int(value)
 
 
 def check_choice(name: str, value: object, choices: Sequence[str]) -> str:
-    """Return one of several names, or raise a ValueError that names the parameter."""
+    """Return one of several names, or raise a ValueError that names the argument."""
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}")
     return value

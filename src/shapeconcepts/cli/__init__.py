@@ -8,7 +8,6 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from shapeconcepts import __version__
 from shapeconcepts.cli.evaluate_command import evaluate
 from shapeconcepts.cli.explain_command import explain
 from shapeconcepts.cli.info_command import info
@@ -17,6 +16,7 @@ from shapeconcepts.cli.respond_command import respond
 from shapeconcepts.cli.segment_command import segment
 from shapeconcepts.cli.simulate_command import simulate
 from shapeconcepts.cli.terminal import INTERRUPTED, fail_for_output, say
+from shapeconcepts.version import __version__
 
 
 class _Commands(TyperGroup):

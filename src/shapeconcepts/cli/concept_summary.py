@@ -39,21 +39,30 @@ def concept_summaries(model: ShapeConceptModel) -> list[dict[str, Any]]:
 
 def model_summary(model: ShapeConceptModel) -> dict[str, Any]:
     """What JSON says of a model."""
-    parameters = {name: value for name, value in model.get_params(deep=False).items() if name != "n_jobs"}
     return {
         "n_scans": len(model.scan_names_),
         "n_motifs": model.stimuli_.shape[1],
-        "concept_time": model.filtration_.concept_time,
-        "epsilon_max": model.filtration_.epsilon_max,
-        "parameters": {
-            name: value if isinstance(value, str | int | float | bool | None) else repr(value)
-            for name, value in parameters.items()
-        },
+        "concept_time": model.filtration_.concept_time_,
+        "epsilon_max": model.filtration_.epsilon_max_,
+        "parameters": _parameters(model),
         "concepts": concept_summaries(model),
         "in_no_concept": [
             name for name, label in zip(model.scan_names_, model.labels_, strict=True) if label < 0
         ],
     }
+
+
+def _parameters(model: ShapeConceptModel) -> dict[str, str | float | None]:
+    """Parameters of the stages that were fitted, called as the model's own `set_params` calls them."""
+    descriptor = model.descriptor_
+    found: dict[str, str | float | None] = {
+        "descriptor": descriptor if isinstance(descriptor, str) else repr(descriptor)
+    }
+    for stage in ("segmenter", "ensemble", "filtration", "response"):
+        for name, value in getattr(model, f"{stage}_").get_params().items():
+            if not hasattr(value, "get_params") and name not in ("n_jobs", "dictionary"):
+                found[f"{stage}__{name}"] = value
+    return found
 
 
 def print_concepts(model: ShapeConceptModel) -> None:

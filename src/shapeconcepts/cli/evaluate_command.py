@@ -19,7 +19,7 @@ from shapeconcepts.cli.labelled_input import (
     renamed,
     segment_set,
 )
-from shapeconcepts.cli.model_input import one_thread, segmentation_parameters
+from shapeconcepts.cli.model_input import one_thread
 from shapeconcepts.cli.object_reader import ObjectReader, simulated_objects, user_cache
 from shapeconcepts.cli.options import Jobs, Json, check_jobs
 from shapeconcepts.cli.terminal import (
@@ -162,13 +162,14 @@ def _evaluate(
 
     from shapeconcepts.evaluation.evaluate import evaluate
     from shapeconcepts.model import PRESETS, ShapeConceptModel
+    from shapeconcepts.segmentation import Segmenter
 
     start = perf_counter()
     presets = [preset, *(other for other in PRESETS if other != preset)]
     model = ShapeConceptModel.preset(preset)
     reader = ObjectReader(
         reading={},
-        segmentation=segmentation_parameters(model),
+        segmenter=Segmenter(),
         descriptor=model.descriptor,
         cache=None if no_cache else user_cache(),
         keep_segmented=True,

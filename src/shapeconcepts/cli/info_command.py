@@ -45,7 +45,7 @@ def info(
     if as_json:
         typer.echo(json.dumps({"model": str(model), **summary}, indent=2, allow_nan=False))
         return
-    typer.echo(f"{model}: {in_words(learned)}; {summary['n_motifs']} {learned.columns}")
+    typer.echo(f"{model}: {in_words(learned)}; {summary['n_motifs']} {learned.ensemble_.columns}")
     typer.echo(", ".join(f"{key} {value}" for key, value in summary["parameters"].items()))
     print_concepts(learned)
     if name:

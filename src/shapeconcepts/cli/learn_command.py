@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import typer
 
 from shapeconcepts.cli.concept_summary import in_words, model_summary, print_concepts
-from shapeconcepts.cli.model_input import one_thread, segmentation_parameters
+from shapeconcepts.cli.model_input import one_thread
 from shapeconcepts.cli.object_reader import (
     ObjectReader,
     SimulatedObject,
@@ -29,6 +29,7 @@ from shapeconcepts.cli.options import (
     check_jobs,
     read_options,
     scan_files,
+    set_from_options,
 )
 from shapeconcepts.cli.terminal import (
     INTERRUPTED,
@@ -46,6 +47,9 @@ if TYPE_CHECKING:
     from shapeconcepts.model import ShapeConceptModel
     from shapeconcepts.report.html import ScanPreview
     from shapeconcepts.sources.collection import ScanFile
+
+
+THE_PRESETS = "as in the preset"
 
 
 class _Collection(NamedTuple):
@@ -83,22 +87,20 @@ def learn(
     ] = "default",
     min_size: Annotated[
         int | None,
-        typer.Option(min=2, metavar="N", show_default="3", help="Smallest number of scans in a concept."),
+        typer.Option(metavar="N", show_default=THE_PRESETS, help="Smallest number of scans in a concept."),
     ] = None,
     descriptor: Annotated[
         Literal["surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"] | None,
         typer.Option(
-            show_default="surflet+fpfh+curvature, paper: fpfh",
+            show_default=THE_PRESETS,
             help="What describes a segment: pairs of points, FPFH, curvatures, or several of them.",
         ),
     ] = None,
     levels: Annotated[
         int | None,
         typer.Option(
-            min=1,
-            max=16,
             metavar="N",
-            show_default="4",
+            show_default=THE_PRESETS,
             help="Levels of the dictionary; n has 2^n words.",
         ),
     ] = None,
@@ -128,6 +130,8 @@ def learn(
     (and the report, if wanted), 1 if not, and 2 if the command line is wrong. Ctrl-C ends it with 130 and
     leaves files as they were.
     """
+    from shapeconcepts.segmentation import Segmenter
+
     check_jobs(jobs)
     check_writable(model, "--model")
     if report is not None:
@@ -136,17 +140,20 @@ def learn(
             raise typer.BadParameter("must be another file than --model", param_hint="--report")
     reading = read_options(intrinsics, depth_scale, mask)
     sources: list[ScanFile | SimulatedObject] = [*scan_files(data, mask)] if data else simulated_objects()
-    given = {
-        "min_concept_size": min_size,
-        "descriptor": descriptor,
-        "n_levels": levels,
-        "voxel_size": voxel_size,
-    }
+    learner = _learner(preset)
+    set_from_options(
+        learner,
+        {
+            "--min-size": ("filtration__min_concept_size", min_size),
+            "--descriptor": ("descriptor", descriptor),
+            "--levels": ("ensemble__dictionary__n_levels", levels),
+            "--voxel-size": ("segmenter__voxel_size", voxel_size),
+        },
+    )
     try:
-        learner = _learner(preset, {name: value for name, value in given.items() if value is not None})
         reader = ObjectReader(
             reading=reading,
-            segmentation=segmentation_parameters(learner),
+            segmenter=learner.segmenter or Segmenter(),
             descriptor=learner.descriptor,
             scenes=scenes,
             cache=None if no_cache else user_cache(),
@@ -177,10 +184,10 @@ def learn(
         raise typer.Exit(1)
 
 
-def _learner(preset: str, parameters: dict[str, Any]) -> ShapeConceptModel:
+def _learner(preset: str) -> ShapeConceptModel:
     from shapeconcepts.model import ShapeConceptModel
 
-    return ShapeConceptModel.preset(preset, **parameters)
+    return ShapeConceptModel.preset(preset)
 
 
 def _collect(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from shapeconcepts.cli.object_reader import ObjectReader
 from shapeconcepts.cli.terminal import fail
@@ -27,7 +27,8 @@ def one_thread() -> AbstractContextManager[object]:
 
 def read_model(path: Path) -> ShapeConceptModel:
     """A model from its file; ends the command where that is none."""
-    from shapeconcepts.model_file import ModelError, load_model
+    from shapeconcepts.model import load_model
+    from shapeconcepts.model_file import ModelError
 
     try:
         return load_model(path)
@@ -43,13 +44,8 @@ def object_reader(
     """Reads scans as a model wants them."""
     return ObjectReader(
         reading=reading,
-        segmentation=segmentation_parameters(model),
-        descriptor=model.descriptor,
+        segmenter=model.segmenter_,
+        descriptor=model.descriptor_,
         scenes=scenes,
         keep_segmented=keep_segmented,
     )
-
-
-def segmentation_parameters(model: ShapeConceptModel) -> dict[str, Any]:
-    """How a model cuts scans."""
-    return {name: getattr(model, name) for name in ("voxel_size", "seed_size", "max_segments")}

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import signal
-import sys
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
-from multiprocessing import get_context
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from shapeconcepts.cli.terminal import fail, say
+from shapeconcepts.cli.terminal import say
 
 if TYPE_CHECKING:
     from shapeconcepts.descriptors import DescribedObject, Descriptor
@@ -20,18 +15,14 @@ if TYPE_CHECKING:
     from shapeconcepts.scan import Scan
     from shapeconcepts.segmentation.segment_cache import SegmentCache
     from shapeconcepts.segmentation.segmented_object import SegmentedObject
+    from shapeconcepts.segmentation.segmenter import Segmenter
     from shapeconcepts.sources.collection import ReadOptions, ScanFile
 
     Source: TypeAlias = "ScanFile | SimulatedObject | Scan"
 
-Item = TypeVar("Item")
-Result = TypeVar("Result")
-
 SIMULATED_PER_CATEGORY = 66
 # A process is worth its start from so many scans on.
 _SCANS_WORTH_A_PROCESS = 16
-# Scans that are begun, for each process, before the first of them is asked for.
-_AHEAD = 4
 
 
 @dataclass(frozen=True)
@@ -70,8 +61,7 @@ class ObjectReader:
     Attributes
     ----------
     reading : ReadOptions
-    segmentation : dict
-        Parameters of `segment`.
+    segmenter : Segmenter
     descriptor : str or Descriptor
     scenes : bool or None
         Whether point clouds are labelled scenes; None: those whose labels look like it.
@@ -81,7 +71,7 @@ class ObjectReader:
     """
 
     reading: ReadOptions
-    segmentation: dict[str, Any]
+    segmenter: Segmenter
     descriptor: str | Descriptor
     scenes: bool | None = None
     cache: SegmentCache | None = None
@@ -129,10 +119,9 @@ class ObjectReader:
 
     def _segment(self, scan: Scan) -> ReadObject:
         from shapeconcepts.scan import ScanError
-        from shapeconcepts.segmentation import segment
 
         try:
-            return ReadObject(scan.name, segmented=segment(scan, **self.segmentation))
+            return ReadObject(scan.name, segmented=self.segmenter.segment(scan))
         except ScanError as error:
             return ReadObject(scan.name, reason=str(error))
         except MemoryError:
@@ -169,6 +158,10 @@ class ObjectReader:
             return f"{self.cache.folder}: {error.strerror or error}"
         return ""
 
+    @property
+    def _segmentation(self) -> list[tuple[str, Any]]:
+        return sorted(self.segmenter.get_params().items())
+
     def _key(self, source: Source) -> str | None:
         """Name of a source's entry in the cache; None where it cannot be read."""
         from shapeconcepts.scan import Scan
@@ -177,11 +170,9 @@ class ObjectReader:
             return None
         if isinstance(source, Scan):
             viewpoint = None if source.viewpoint is None else source.viewpoint.tolist()
-            return self.cache.key(
-                source.points.tobytes(), ("scan", viewpoint, sorted(self.segmentation.items()))
-            )
+            return self.cache.key(source.points.tobytes(), ("scan", viewpoint, self._segmentation))
         if isinstance(source, SimulatedObject):
-            return self.cache.key(b"", (source, sorted(self.segmentation.items())))
+            return self.cache.key(b"", (source, self._segmentation))
         try:
             content = source.path.read_bytes() if source.path.is_file() else None
             mask = self.reading.get("mask")
@@ -193,7 +184,7 @@ class ObjectReader:
             return None
         camera = (self.reading.get("intrinsics"), self.reading.get("depth_scale"))
         # The suffix tells how the file is read.
-        parameters = (source.path.suffix.lower(), self.scenes, camera, sorted(self.segmentation.items()))
+        parameters = (source.path.suffix.lower(), self.scenes, camera, self._segmentation)
         return self.cache.key(content, parameters)
 
 
@@ -248,6 +239,8 @@ def read_objects(
 
     With `strict` nothing more is begun after the first object that cannot be used.
     """
+    from shapeconcepts.parallel import map_in_order
+
     failed = False
 
     def wanted() -> Iterator[Source]:
@@ -256,40 +249,6 @@ def read_objects(
                 return
             yield source
 
-    for objects in in_order(reader, wanted(), useful_jobs(jobs, len(sources))):
+    for objects in map_in_order(reader, wanted(), useful_jobs(jobs, len(sources))):
         failed = failed or any(one.reason for one in objects)
         yield objects
-
-
-def in_order(work: Callable[[Item], Result], items: Iterable[Item], n_jobs: int) -> Iterator[Result]:
-    """Results of work on items, in their order, by several processes; a few items are taken ahead.
-
-    The first item is worked on here, so that what it imports and compiles is there when processes are forked
-    off: joblib's would each start from nothing, which takes longer than reading a hundred scans.
-    """
-    from concurrent.futures import Future, ProcessPoolExecutor
-    from concurrent.futures.process import BrokenProcessPool
-
-    remaining = iter(items)
-    yield from map(work, islice(remaining, 1))
-    if n_jobs == 1:
-        yield from map(work, remaining)
-        return
-    context = get_context("fork" if sys.platform == "linux" else "spawn")
-    pool = ProcessPoolExecutor(n_jobs, context, initializer=_leave_interrupts_to_parent)
-    ahead: deque[Future[Result]] = deque()
-    try:
-        for item in remaining:
-            ahead.append(pool.submit(work, item))
-            if len(ahead) > _AHEAD * n_jobs:
-                yield ahead.popleft().result()
-        while ahead:
-            yield ahead.popleft().result()
-    except BrokenProcessPool:
-        fail("a process that read scans was ended, perhaps for lack of memory; --jobs 1 needs least")
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def _leave_interrupts_to_parent() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -10,6 +10,8 @@ import typer
 from shapeconcepts.cli.terminal import fail
 
 if TYPE_CHECKING:
+    from sklearn.base import BaseEstimator
+
     from shapeconcepts.sources.collection import ReadOptions, ScanFile
 
 Intrinsics = Annotated[
@@ -34,8 +36,6 @@ Mask = Annotated[
 VoxelSize = Annotated[
     float | None,
     typer.Option(
-        min=1e-4,
-        max=1.0,
         metavar="METRES",
         help="Edge length of the voxels that points are merged into; by default it suits each scan.",
         show_default="auto",
@@ -74,6 +74,26 @@ def check_jobs(jobs: int) -> None:
     """Complain about a number of jobs that means nothing."""
     if jobs == 0:
         raise typer.BadParameter("must not be 0", param_hint="--jobs")
+
+
+def set_from_options(stage: BaseEstimator, options: dict[str, tuple[str, object]]) -> None:
+    """Set parameters that the user gave; complains about the first option that is out of its range.
+
+    Parameters
+    ----------
+    stage : estimator
+    options : dict of str to (str, value)
+        Parameter and value of each option; None where it was not given.
+    """
+    from shapeconcepts.parameters import check_parameters
+
+    for option, (parameter, value) in options.items():
+        if value is None:
+            continue
+        try:
+            check_parameters(stage.set_params(**{parameter: value}))
+        except ValueError as error:
+            raise typer.BadParameter(str(error), param_hint=option) from None
 
 
 def read_options(intrinsics: str | None, depth_scale: float, mask: Path | None) -> ReadOptions:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from shapeconcepts.cli.object_reader import in_order, useful_jobs
+from shapeconcepts.cli.object_reader import useful_jobs
 from shapeconcepts.cli.options import (
     DepthScale,
     Intrinsics,
@@ -22,6 +22,7 @@ from shapeconcepts.cli.options import (
     check_jobs,
     read_options,
     scan_files,
+    set_from_options,
 )
 from shapeconcepts.cli.pictures import check_picture_path, save_picture
 from shapeconcepts.cli.terminal import fail, print_table, progress, say_skipped
@@ -29,7 +30,7 @@ from shapeconcepts.cli.terminal import fail, print_table, progress, say_skipped
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-    from shapeconcepts.segmentation.segmented_object import SegmentedObject
+    from shapeconcepts.segmentation import SegmentedObject, Segmenter
     from shapeconcepts.sources.collection import ReadOptions, ScanFile
 
 
@@ -65,15 +66,21 @@ def segment(
     depth_scale: DepthScale = 0.001,
     mask: Mask = None,
     seed_size: Annotated[
-        float,
+        float | None,
         typer.Option(
-            min=1e-4, max=1.0, metavar="METRES", help="Distance of the seeds that atomic patches grow from."
+            metavar="METRES",
+            show_default="0.02",
+            help="Distance of the seeds that atomic patches grow from.",
         ),
-    ] = 0.02,
+    ] = None,
     max_segments: Annotated[
-        int,
-        typer.Option(min=1, metavar="N", help="Most segments of an object; above, the smallest are merged."),
-    ] = 12,
+        int | None,
+        typer.Option(
+            metavar="N",
+            show_default="12",
+            help="Most segments of an object; above, the smallest are merged.",
+        ),
+    ] = None,
     jobs: Jobs = -1,
     strict: Strict = False,
 ) -> None:
@@ -83,7 +90,9 @@ def segment(
     Scans that cannot be used are skipped and listed at the end. The exit code is 0 if at least one scan was
     segmented (with --strict: all of them), 1 if not, and 2 if the command line is wrong.
     """
+    from shapeconcepts.parallel import map_in_order
     from shapeconcepts.report import contact_sheet
+    from shapeconcepts.segmentation import Segmenter
 
     if image is not None:
         check_picture_path(image, "--image")
@@ -91,18 +100,22 @@ def segment(
     check_jobs(jobs)
     files = scan_files(scans, mask)
 
-    options = {
-        "voxel_size": "auto" if voxel_size is None else voxel_size,
-        "seed_size": seed_size,
-        "max_segments": max_segments,
-    }
+    segmenter = Segmenter()
+    set_from_options(
+        segmenter,
+        {
+            "--voxel-size": ("voxel_size", voxel_size),
+            "--seed-size": ("seed_size", seed_size),
+            "--max-segments": ("max_segments", max_segments),
+        },
+    )
     picture_size = None if image is None else _picture_size(len(files))
     results: list[_Result] = []
     failed = False
     # Running jobs are not cancelled, which can hang joblib: no more are started, and those that run finish.
     wanted = takewhile(lambda file: not (strict and failed), files)
-    work = partial(_segment_file, reading=reading, options=options, picture_size=picture_size)
-    working = in_order(work, wanted, useful_jobs(jobs, len(files)))
+    work = partial(_segment_file, reading=reading, segmenter=segmenter, picture_size=picture_size)
+    working = map_in_order(work, wanted, useful_jobs(jobs, len(files)))
     for result in progress(working, len(files), "Segmenting"):
         failed = failed or result.summary is None
         results.append(result)
@@ -125,18 +138,17 @@ def segment(
 
 
 def _segment_file(
-    file: ScanFile, reading: ReadOptions, options: dict[str, Any], picture_size: int | None
+    file: ScanFile, reading: ReadOptions, segmenter: Segmenter, picture_size: int | None
 ) -> _Result:
     from shapeconcepts.report import draw_segments
     from shapeconcepts.scan import ScanError
-    from shapeconcepts.segmentation import segment as segment_scan
     from shapeconcepts.sources.collection import iter_scans
 
     [scan] = iter_scans([file], **reading)
     if isinstance(scan, ScanError):
         return _Result(file.name, reason=str(scan))
     try:
-        item = segment_scan(scan, **options)
+        item = segmenter.segment(scan)
     except ScanError as error:
         return _Result(file.name, reason=str(error))
     picture = None if picture_size is None else draw_segments(item, size=picture_size)

@@ -11,35 +11,6 @@ from shapeconcepts.topology.groups import Groups, members_of_groups
 from shapeconcepts.topology.space import TopologicalSpace
 
 
-def lives(
-    groups: Groups, edges: NDArray[np.int32], times: NDArray[np.float64], n_joined: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Birth and death of each of the groups that the first edges connect.
-
-    Parameters
-    ----------
-    groups : Groups
-    edges : (e, 2) int32
-        In the order in which they enter.
-    times : (e,) float64
-        When they do.
-    n_joined : int
-        Number of edges that connect the groups.
-
-    Returns
-    -------
-    births, deaths : (n_groups,) float64
-        The last time of an edge within a group, 0 without any; the first of one that leaves it, infinite
-        without any.
-    """
-    births = np.zeros(groups.n_groups)
-    np.maximum.at(births, groups.of_vertex[edges[:n_joined, 0]], times[:n_joined])
-    deaths = np.full(groups.n_groups, np.inf)
-    for end in edges[n_joined:].T:
-        np.minimum.at(deaths, groups.of_vertex[end], times[n_joined:])
-    return births, deaths
-
-
 def concepts_of_groups(
     space: TopologicalSpace,
     groups: Groups,

@@ -16,20 +16,23 @@ from shapeconcepts.concepts.mixing_kernels import refused_edges
 from shapeconcepts.topology.neighbourhood import Neighbourhoods
 from shapeconcepts.topology.space import TopologicalSpace
 
-LEAST_MIXING = 0.8
 # A class that is a smaller part of a neighbourhood has too few objects to be one of its own.
 SMALL_PART = 1 / 16
 
 
 def refusals(
-    space: TopologicalSpace, order: NDArray[np.int64], neighbourhoods: Neighbourhoods, min_concept_size: int
+    space: TopologicalSpace,
+    order: NDArray[np.int64],
+    neighbourhoods: Neighbourhoods,
+    least_mixing: float,
+    min_concept_size: int,
 ) -> NDArray[np.bool_]:
     """Which edges of a space's tree are refused when they enter in an order.
 
-    An edge is refused where the two classes at its ends, as they are when it enters, mix by less than 0.8:
-    they stay apart. A class of fewer than `min_concept_size` objects, or of less than a sixteenth of a
-    neighbourhood, refuses nothing and is not refused; but objects without anything in common, at divergence
-    1, are joined by no edge.
+    An edge is refused where the two classes at its ends, as they are when it enters, mix by less than
+    `least_mixing`: they stay apart. A class of fewer than `min_concept_size` objects, or of less than a
+    sixteenth of a neighbourhood, refuses nothing and is not refused; but objects without anything in common,
+    at divergence 1, are joined by no edge.
 
     Parameters
     ----------
@@ -39,6 +42,7 @@ def refusals(
         Of its edges.
     neighbourhoods : Neighbourhoods
         Of its vertices.
+    least_mixing : float
     min_concept_size : int
 
     Returns
@@ -58,6 +62,6 @@ def refusals(
         reverse.indptr.astype(np.int64),
         reverse.indices,
         neighbourhoods.n_neighbours,
-        LEAST_MIXING,
+        least_mixing,
         max(min_concept_size, SMALL_PART * neighbourhoods.n_neighbours),
     )

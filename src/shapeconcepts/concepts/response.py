@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,14 +12,11 @@ from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.decomposition import PCA
 from sklearn.utils.validation import check_is_fitted, check_non_negative, validate_data
 
-from shapeconcepts.concepts.settling import N_NEAREST
-from shapeconcepts.parameters import check_choice
+from shapeconcepts.parameters import check_parameters, choice, share, whole_number
 from shapeconcepts.topology.divergence import jensen_shannon_divergences, normalised_rows
 from shapeconcepts.topology.space import TopologicalSpace
 
 DISTANCES = ("divergence", "mahalanobis")
-MAX_COMPONENTS = 30
-VARIANCE_KEPT = 0.95
 # Above so many entries the dense matrix is not formed.
 _DENSE_ENTRIES = 2_000_000
 
@@ -33,9 +30,14 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
     ----------
     distance : {"divergence", "mahalanobis"}
         "divergence": the Jensen-Shannon divergence in bits, in which the concepts were found. "mahalanobis"
-        (paper): the covariance is that of the training rows within the principal components that carry 95 %
-        of their variance, at most 30: outside of these, the hundreds of rows at hand say nothing about the
-        thousands of columns.
+        (paper): the covariance is that of the training rows within their main principal components: outside
+        of these, the hundreds of rows at hand say nothing about the thousands of columns.
+    n_nearest : int
+        For `predict`: nearest prototypes of each concept that a row is compared with.
+    max_components : int
+        For "mahalanobis": largest number of principal components.
+    variance_kept : float
+        For "mahalanobis": share of the variance that the components carry, if so many of them do.
 
     Attributes
     ----------
@@ -56,8 +58,24 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
     n_features_in_ : int
     """
 
-    def __init__(self, distance: str = "divergence") -> None:
+    _parameter_constraints: ClassVar[dict[str, list[Any]]] = {
+        "distance": [choice(*DISTANCES)],
+        "n_nearest": [whole_number(1)],
+        "max_components": [whole_number(1)],
+        "variance_kept": [share()],
+    }
+
+    def __init__(
+        self,
+        distance: str = "divergence",
+        n_nearest: int = 10,
+        max_components: int = 30,
+        variance_kept: float = 0.95,
+    ) -> None:
         self.distance = distance
+        self.n_nearest = n_nearest
+        self.max_components = max_components
+        self.variance_kept = variance_kept
 
     def fit(self, X: ArrayLike | spmatrix | sparray, y: ArrayLike) -> ConceptResponse:
         """Learn what the rows of each concept are like.
@@ -76,9 +94,10 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         Raises
         ------
         ValueError
-            If `distance` is unknown, X is not a matrix of finite numbers of at least 0, or y does not fit.
+            If a parameter is out of range, X is not a matrix of finite numbers of at least 0, or y does not
+            fit.
         """
-        check_choice("distance", self.distance, DISTANCES)
+        check_parameters(self)
         matrix, labels = validate_data(
             self, X, y, accept_sparse="csr", dtype=np.float64, ensure_min_features=0
         )
@@ -92,8 +111,8 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         concepts = labels[is_prototype].astype(np.int64)
         self.classes_, self.prototype_concepts_ = np.unique(concepts, return_inverse=True)
         self.prototypes_ = csr_matrix(rows[is_prototype])
-        n_components = MAX_COMPONENTS if self.distance == "mahalanobis" else 0
-        self.mean_, self.whitening_ = _whitening(rows[placed], n_components)
+        n_components = self.max_components if self.distance == "mahalanobis" else 0
+        self.mean_, self.whitening_ = _whitening(rows[placed], n_components, self.variance_kept)
         self.largest_divergence_ = self._longest_step()
         return self
 
@@ -139,7 +158,8 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
     def predict(self, X: ArrayLike | spmatrix | sparray) -> NDArray[np.int64]:
         """Concept whose nearest prototypes are nearest on average, -1 where every prototype is far.
 
-        The average is over the 10 of smallest Jensen-Shannon divergence, or all where a concept has fewer.
+        The average is over the `n_nearest` of smallest Jensen-Shannon divergence, or all where a concept has
+        fewer.
 
         Parameters and errors are those of `transform`.
 
@@ -155,7 +175,7 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         divergences = jensen_shannon_divergences(rows, self.prototypes_)
         means = np.empty((rows.shape[0], len(self.classes_)))
         for concept in range(len(self.classes_)):
-            nearest = np.sort(divergences[:, self.prototype_concepts_ == concept])[:, :N_NEAREST]
+            nearest = np.sort(divergences[:, self.prototype_concepts_ == concept])[:, : self.n_nearest]
             # Column by column: summed over rows, the rounding would depend on how many there are.
             means[:, concept] = sum(nearest.T) / nearest.shape[1]
         known = (divergences.min(axis=1) <= self.largest_divergence_) & (np.diff(rows.indptr) > 0)
@@ -214,7 +234,9 @@ def mean_distances(
     return np.array(sums).reshape(len(distances), n_concepts) / counts
 
 
-def _whitening(rows: csr_matrix, n_components: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _whitening(
+    rows: csr_matrix, n_components: int, variance_kept: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Mean of rows, and the projection to their main principal components scaled to variance 1."""
     n, n_columns = rows.shape
     largest = min(n_components, n - 1, n_columns)
@@ -227,9 +249,9 @@ def _whitening(rows: csr_matrix, n_components: int) -> tuple[NDArray[np.float64]
             components = PCA(largest, svd_solver="full").fit(rows.toarray())
         else:
             components = PCA(largest, svd_solver="arpack", random_state=0).fit(rows)
-    variance, share = components.explained_variance_, np.cumsum(components.explained_variance_ratio_)
+    variance, carried = components.explained_variance_, np.cumsum(components.explained_variance_ratio_)
     # Components without variance carry nothing but rounding.
-    kept = min(int(np.searchsorted(share, VARIANCE_KEPT)) + 1, int((variance > 1e-12 * variance[:1]).sum()))
+    kept = min(int(np.searchsorted(carried, variance_kept)) + 1, int((variance > 1e-12 * variance[:1]).sum()))
     if not variance.size or variance[0] < 1e-24:
         kept = 0
     # In one order of memory, on which the rounding of products depends, whatever solver was at work.

@@ -1,7 +1,7 @@
 """Settling: what is at the border of a concept moves to the one that is nearest to it.
 
 A tree joins an object to its class along a single edge, and annexes all that hangs behind it. So some objects
-are among members of another concept. Each object moves to the concept whose 10 nearest members, or all where
+are among members of another concept. Each object moves to the concept whose n nearest members, or all where
 it has fewer, are nearest on average; all at once, again and again, until none moves.
 """
 
@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from shapeconcepts.concepts.settling_kernels import settle_vertices
 from shapeconcepts.topology.neighbourhood import Neighbourhoods
 
-# One member may be odd, and all of them say little about a large concept's rim.
-N_NEAREST = 10
 # Nearly always there are fewer than ten; objects that change places for ever are stopped.
 MAX_ROUNDS = 50
 
@@ -23,6 +21,7 @@ def settled(
     concepts: NDArray[np.int32],
     sizes: NDArray[np.int64],
     neighbourhoods: Neighbourhoods,
+    n_nearest: int,
     min_concept_size: int,
 ) -> NDArray[np.int32]:
     """Concepts of vertices after objects have settled.
@@ -37,6 +36,9 @@ def settled(
     sizes : (v,) int64
         Objects at each vertex.
     neighbourhoods : Neighbourhoods
+    n_nearest : int
+        Members that an object is compared with: one may be odd, and all of them say little about a large
+        concept's rim.
     min_concept_size : int
 
     Returns
@@ -48,7 +50,7 @@ def settled(
     if n_concepts == 0:
         return concepts
     moved = settle_vertices(
-        concepts, n_concepts, sizes, *neighbourhoods[1:], N_NEAREST, min_concept_size, MAX_ROUNDS
+        concepts, n_concepts, sizes, *neighbourhoods[1:], n_nearest, min_concept_size, MAX_ROUNDS
     )
     n_members = np.bincount(moved[moved >= 0], sizes[moved >= 0], n_concepts)
     return np.where((moved >= 0) & (n_members[moved] >= min_concept_size), moved, np.int32(-1))

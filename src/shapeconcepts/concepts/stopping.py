@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from shapeconcepts.topology.annexations import Annexations
+
 
 class States(NamedTuple):
     """What there is after each annexation of a filtration.
@@ -28,43 +30,39 @@ class States(NamedTuple):
     n_objects: int
 
     @classmethod
-    def of(
-        cls,
-        times: NDArray[np.float64],
-        dying_sizes: NDArray[np.int64],
-        surviving_sizes: NDArray[np.int64],
-        multiplicities: NDArray[np.int64],
-        min_size: int,
-    ) -> States:
-        """States of a filtration from the members of the classes at each annexation, just before it."""
-        sizes = dying_sizes + surviving_sizes
+    def of(cls, annexations: Annexations, min_size: int) -> States:
+        """States of a filtration, whose concepts have at least `min_size` objects."""
+        dying, surviving = annexations.dying_sizes, annexations.surviving_sizes
+        multiplicities = annexations.space.multiplicities_
         n_concepts = (multiplicities >= min_size).sum() + np.cumsum(
-            (sizes >= min_size).astype(int)
-            - (dying_sizes >= min_size).astype(int)
-            - (surviving_sizes >= min_size).astype(int)
+            (dying + surviving >= min_size).astype(int)
+            - (dying >= min_size).astype(int)
+            - (surviving >= min_size).astype(int)
         )
-        largest = np.maximum(np.maximum.accumulate(sizes), multiplicities.max(initial=0))
-        return cls(times, n_concepts, largest, int(multiplicities.sum()))
+        largest = np.maximum(np.maximum.accumulate(dying + surviving), multiplicities.max(initial=0))
+        return cls(annexations.times, n_concepts, largest, int(multiplicities.sum()))
 
 
-def most_annexations(
-    states: States, step_ends: NDArray[np.float64], counts: NDArray[np.int64]
-) -> float | None:
+def most_annexations(annexations: Annexations, max_steps: int, min_size: int) -> float | None:
     """End of the earliest step with the most annexations (the paper's epsilon_max), unless it is trivial.
 
     After it there are at least two concepts, and none holds more than half of the objects.
 
     Parameters
     ----------
-    states : States
-    step_ends, counts : (k,)
-        As `Filtration.annexations` gives them.
+    annexations : Annexations
+    max_steps : int
+        Largest number of steps of time.
+    min_size : int
+        Of a concept.
 
     Returns
     -------
     float or None
         None where there is no such step.
     """
+    states = States.of(annexations, min_size)
+    step_ends, counts = annexations.per_step(max_steps)
     last = np.cumsum(counts) - 1
     is_open = (counts > 0) & (last >= 0)
     is_open[is_open] &= (states.n_concepts[last[is_open]] >= 2) & (

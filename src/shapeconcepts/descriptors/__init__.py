@@ -2,6 +2,7 @@
 
 from shapeconcepts.descriptors.curvature import Curvature, compute_principal_curvatures
 from shapeconcepts.descriptors.described_object import DescribedObject, describe
+from shapeconcepts.descriptors.described_scans import describe_scan, describe_scans, list_of_scans
 from shapeconcepts.descriptors.fpfh import FPFH, compute_fpfh
 from shapeconcepts.descriptors.joint import Joint
 from shapeconcepts.descriptors.protocol import Description, Descriptor
@@ -19,5 +20,8 @@ __all__ = [
     "compute_fpfh",
     "compute_principal_curvatures",
     "describe",
+    "describe_scan",
+    "describe_scans",
     "get_descriptor",
+    "list_of_scans",
 ]

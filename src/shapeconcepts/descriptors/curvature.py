@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from sklearn.base import BaseEstimator
 
 from shapeconcepts.descriptors.curvature_kernels import curvature_histograms, principal_curvatures
 from shapeconcepts.descriptors.protocol import Description
@@ -13,14 +15,15 @@ from shapeconcepts.descriptors.segment_kernels import size_of_segments
 from shapeconcepts.descriptors.segment_labels import checked_labels
 from shapeconcepts.geometry.neighbours import cell_grid
 from shapeconcepts.geometry.surface import checked_surface
+from shapeconcepts.parameters import check_parameters, positive_number
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 # Least and largest radius. Fewer voxels say little against noise; more take longer than they tell.
 _VOXELS = (2.0, 6.0)
 
 
-@dataclass(frozen=True)
-class Curvature:
+@dataclass
+class Curvature(BaseEstimator):
     """Descriptor of segments by the two principal curvatures at their points (Koenderink, van Doorn 1992).
 
     The object's size, the root mean square distance of the points in segments from their centroid, is the
@@ -35,6 +38,8 @@ class Curvature:
         Radius of a point's neighbourhood, in parts of the object's size; 2 to 6 voxels are used.
     """
 
+    _parameter_constraints: ClassVar[dict[str, list[Any]]] = {"radius": [positive_number()]}
+
     radius: float = 0.4
 
     def describe(self, segmented: SegmentedObject) -> Description:
@@ -46,10 +51,9 @@ class Curvature:
             If `radius` is not a positive number, or the object's arrays do not fit (as in
             `compute_principal_curvatures`).
         """
+        check_parameters(self)
         points, normals = checked_surface(segmented.points, segmented.normals)
         labels = checked_labels(segmented)
-        if not (np.isfinite(self.radius) and self.radius > 0):
-            raise ValueError(f"radius must be a positive number of object sizes, got {self.radius!r}")
         size = size_of_segments(points, labels)
         fewest, most = (number * segmented.voxel_size for number in _VOXELS)
         radius = min(max(self.radius * size, fewest), most)

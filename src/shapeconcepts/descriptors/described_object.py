@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.descriptors.protocol import Description, Descriptor
-from shapeconcepts.descriptors.registry import get_descriptor
+from shapeconcepts.descriptors.registry import DEFAULT, get_descriptor
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 
@@ -37,9 +37,7 @@ class DescribedObject:
         return self.description.n_segments
 
 
-def describe(
-    segmented: SegmentedObject, descriptor: str | Descriptor = "surflet+fpfh+curvature"
-) -> DescribedObject:
+def describe(segmented: SegmentedObject, descriptor: str | Descriptor = DEFAULT) -> DescribedObject:
     """Describe the segments of an object.
 
     Parameters

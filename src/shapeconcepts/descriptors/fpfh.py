@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+from sklearn.base import BaseEstimator
 
 from shapeconcepts.descriptors.fpfh_kernels import (
     neighbour_means,
@@ -16,11 +18,12 @@ from shapeconcepts.descriptors.protocol import Description
 from shapeconcepts.descriptors.segment_labels import checked_labels
 from shapeconcepts.geometry.neighbours import cell_grid
 from shapeconcepts.geometry.surface import checked_surface
+from shapeconcepts.parameters import check_parameters, positive_number
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 
-@dataclass(frozen=True)
-class FPFH:
+@dataclass
+class FPFH(BaseEstimator):
     """Descriptor of segments by the summed Fast Point Feature Histograms of their points (Rusu et al. 2009).
 
     Neighbours are looked for on the whole object, across segment borders: that is where the shape of an edge
@@ -32,6 +35,8 @@ class FPFH:
         Radius of a point's neighbourhood, metres.
     """
 
+    _parameter_constraints: ClassVar[dict[str, list[Any]]] = {"radius": [positive_number()]}
+
     radius: float = 0.03
 
     def describe(self, segmented: SegmentedObject) -> Description:
@@ -42,6 +47,7 @@ class FPFH:
         ValueError
             If `radius` is not a positive number, or the object's arrays do not fit (as in `compute_fpfh`).
         """
+        check_parameters(self)
         points, normals = checked_surface(segmented.points, segmented.normals)
         labels = checked_labels(segmented)
         grid = cell_grid(points, self.radius, reach=2)

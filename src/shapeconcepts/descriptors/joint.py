@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
+from sklearn.base import BaseEstimator
 
 from shapeconcepts.descriptors.protocol import Description, Descriptor
 from shapeconcepts.geometry.surface import normals_within
-from shapeconcepts.parameters import check_length
+from shapeconcepts.parameters import check_parameters, positive_number
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 # Fewer voxels across are too few for a plane.
 _FEWEST_VOXELS = 2.0
 
 
-@dataclass(frozen=True)
-class Joint:
+@dataclass
+class Joint(BaseEstimator):
     """Descriptor that puts the histograms of several descriptors side by side, each with an equal share.
 
     The divergence of two such histograms is the mean of the divergences under each descriptor.
@@ -33,6 +35,11 @@ class Joint:
         Radius of the planes, metres; at least two voxels are used.
     """
 
+    _parameter_constraints: ClassVar[dict[str, list[Any]]] = {
+        "descriptors": [tuple, list],
+        "normal_radius": [positive_number()],
+    }
+
     descriptors: tuple[Descriptor, ...]
     normal_radius: float = 0.02
 
@@ -44,9 +51,10 @@ class Joint:
         ValueError
             If there are no descriptors, `normal_radius` is not a positive number, and as they do.
         """
+        check_parameters(self)
         if not self.descriptors:
             raise ValueError("descriptors must hold at least one descriptor, got none")
-        radius = max(check_length("normal_radius", self.normal_radius), _FEWEST_VOXELS * segmented.voxel_size)
+        radius = max(float(self.normal_radius), _FEWEST_VOXELS * segmented.voxel_size)
         normals = normals_within(segmented.points, segmented.normals, radius)
         segmented = replace(segmented, normals=normals)
         parts = [descriptor.describe(segmented) for descriptor in self.descriptors]

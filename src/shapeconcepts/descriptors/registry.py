@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from shapeconcepts.descriptors.curvature import Curvature
 from shapeconcepts.descriptors.fpfh import FPFH
 from shapeconcepts.descriptors.joint import Joint
 from shapeconcepts.descriptors.protocol import Descriptor
 from shapeconcepts.descriptors.surflet import Surflet
 
-DESCRIPTORS: dict[str, Descriptor] = {
-    "fpfh": FPFH(),
-    "surflet": Surflet(),
-    "curvature": Curvature(),
-    "surflet+fpfh": Joint((Surflet(), FPFH())),
-    "surflet+fpfh+curvature": Joint((Surflet(), FPFH(), Curvature())),
+DESCRIPTORS: dict[str, Callable[[], Descriptor]] = {
+    "surflet+fpfh+curvature": lambda: Joint((Surflet(), FPFH(), Curvature())),
+    "surflet+fpfh": lambda: Joint((Surflet(), FPFH())),
+    "surflet": Surflet,
+    "fpfh": FPFH,
+    "curvature": Curvature,
 }
+DEFAULT = next(iter(DESCRIPTORS))
 
 
 def get_descriptor(descriptor: str | Descriptor) -> Descriptor:
@@ -30,7 +33,7 @@ def get_descriptor(descriptor: str | Descriptor) -> Descriptor:
         If it is neither a known name nor an object with a `describe` method.
     """
     if isinstance(descriptor, str) and descriptor in DESCRIPTORS:
-        return DESCRIPTORS[descriptor]
+        return DESCRIPTORS[descriptor]()
     if isinstance(descriptor, Descriptor) and not isinstance(descriptor, type):
         return descriptor
     names = ", ".join(map(repr, DESCRIPTORS))

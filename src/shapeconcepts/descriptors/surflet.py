@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from sklearn.base import BaseEstimator
 
 from shapeconcepts.descriptors.protocol import Description
 from shapeconcepts.descriptors.segment_kernels import size_of_segments
@@ -15,6 +16,7 @@ from shapeconcepts.descriptors.surflet_kernels import accumulate_relations, larg
 from shapeconcepts.geometry.canonical_frame import canonical_coordinates
 from shapeconcepts.geometry.neighbours import sorting_order
 from shapeconcepts.geometry.surface import checked_surface
+from shapeconcepts.parameters import check_parameters, choice
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 SCALES = ("relative", "metric")
@@ -29,8 +31,8 @@ _CELL_FRACTION = 1 / 4.5
 _SMALLEST_DIAMETER = 1e-9
 
 
-@dataclass(frozen=True)
-class Surflet:
+@dataclass
+class Surflet(BaseEstimator):
     """Descriptor of segments and of pairs of segments by surflet-pair relations (Wahl et al., 3DIM 2003).
 
     A surflet is a point with a normal. Two of them relate by their distance and three angles, theta, alpha
@@ -49,6 +51,8 @@ class Surflet:
         not matter; or in metres, from 0 to 0.5, larger ones counted as 0.5.
     """
 
+    _parameter_constraints: ClassVar[dict[str, list[Any]]] = {"scale": [choice(*SCALES)]}
+
     scale: str = "relative"
 
     def describe(self, segmented: SegmentedObject) -> Description:
@@ -59,8 +63,7 @@ class Surflet:
         ValueError
             If `scale` is unknown, or the object's arrays do not fit.
         """
-        if self.scale not in SCALES:
-            raise ValueError(f"scale must be one of {', '.join(map(repr, SCALES))}, got {self.scale!r}")
+        check_parameters(self)
         points, normals = checked_surface(segmented.points, segmented.normals)
         surflets = _average_cells(points, normals, checked_labels(segmented))
         n = segmented.n_segments

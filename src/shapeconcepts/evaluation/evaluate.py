@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from importlib.metadata import version
 from time import perf_counter
 
-from shapeconcepts import __version__
 from shapeconcepts.evaluation.experiments.baseline_comparison import baseline_comparison
 from shapeconcepts.evaluation.experiments.generalisation import generalisation
 from shapeconcepts.evaluation.experiments.levels import number_of_levels
@@ -21,6 +20,7 @@ from shapeconcepts.evaluation.splits import stratified_splits
 from shapeconcepts.model import PRESETS
 from shapeconcepts.parameters import check_integer
 from shapeconcepts.segmentation import SegmentedObject
+from shapeconcepts.version import __version__
 
 TEST_SHARE = 0.25
 _LIBRARIES = ("numpy", "scipy", "scikit-learn", "numba")

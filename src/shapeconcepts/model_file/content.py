@@ -10,8 +10,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from shapeconcepts.model_file.error import require
-from shapeconcepts.model_file.layout import FIELDS, Tensors, check_names
-from shapeconcepts.model_file.parameters import is_share
+from shapeconcepts.model_file.layout import FIELDS, STAGES, Tensors, check_names
 from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
 
 # What float32 loses in the sum of a histogram.
@@ -38,6 +37,9 @@ def check_description(description: dict[str, Any], n_scans: int, n_concepts: int
         require(is_list, f"{field} must be a list of {length} names, got {_outline(values)}")
         for position, value in enumerate(values):
             require(isinstance(value, allowed), f"{field}[{position}] must be a string, got {value!r:.60}")
+    stages = description["stages"]
+    require(isinstance(stages, dict), f"stages must be a JSON object, got {stages!r:.60}")
+    check_names("stage", set(stages), STAGES)
     skipped = description["skipped"]
     require(isinstance(skipped, list), f"skipped must be a list, got {_outline(skipped)}")
     for entry in skipped:
@@ -55,7 +57,7 @@ def check_description(description: dict[str, Any], n_scans: int, n_concepts: int
     for field in ("concept_time", "epsilon_max", "largest_divergence"):
         value = description[field]
         require(
-            is_share(value) or (value is None and field != "largest_divergence"),
+            _is_share(value) or (value is None and field != "largest_divergence"),
             f"{field} must be a number from 0 to 1, got {value!r:.60}",
         )
     has_time = description["concept_time"] is not None
@@ -266,3 +268,7 @@ def _require_sorted(name: str, edges: NDArray[np.int32]) -> None:
 
 def _outline(value: object) -> str:
     return f"a list of {len(value)}" if isinstance(value, list) else f"{value!r:.60}"
+
+
+def _is_share(value: object) -> bool:
+    return type(value) in (int, float) and 0 <= value <= 1  # type: ignore[operator]

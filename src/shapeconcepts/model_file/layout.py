@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from shapeconcepts.model_file.error import require
 from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
 
-FORMAT = 5
+FORMAT = 6
+# The oldest that can still be read.
+OLDEST_FORMAT = 5
 
 Tensors = dict[str, NDArray[Any]]
 
@@ -52,11 +54,7 @@ FIELDS = frozenset(
         "format",
         "written_by",
         "checksum",
-        "parameters",
-        "dictionary_parameters",
-        "ensemble_parameters",
-        "filtration_parameters",
-        "response_parameters",
+        "stages",
         "scan_names",
         "scan_labels",
         "skipped",
@@ -66,6 +64,8 @@ FIELDS = frozenset(
         "largest_divergence",
     }
 )
+
+STAGES = frozenset({"segmenter", "descriptor", "ensemble", "filtration", "response"})
 
 
 def check_names(what: str, names: set[str], expected: set[str] | frozenset[str]) -> None:

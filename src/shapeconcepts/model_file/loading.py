@@ -1,4 +1,4 @@
-"""From a file to the model."""
+"""From a file to the state of a fitted model."""
 
 from __future__ import annotations
 
@@ -12,34 +12,27 @@ from scipy.sparse import csr_matrix
 from sklearn.base import clone
 
 from shapeconcepts.concepts import Concept, ConceptResponse, Filtration
-from shapeconcepts.model import ShapeConceptModel
 from shapeconcepts.model_file.container import read_container
 from shapeconcepts.model_file.content import check_content, check_description
 from shapeconcepts.model_file.error import ModelError, require
-from shapeconcepts.model_file.layout import Tensors
-from shapeconcepts.model_file.parameters import decode_parameters
+from shapeconcepts.model_file.format_five import in_present_format
+from shapeconcepts.model_file.layout import FORMAT, Tensors
+from shapeconcepts.model_file.parameters import decode_descriptor, decode_stage
+from shapeconcepts.model_file.state import ModelState
 from shapeconcepts.motifs import MotifHierarchies, MotifHierarchyEnsemble, SegmentDictionary
+from shapeconcepts.segmentation import Segmenter
 from shapeconcepts.topology import TopologicalSpace
+from shapeconcepts.topology.annexations import order_of_edges
 from shapeconcepts.topology.divergence import normalised_rows
 
 # By what equal rows may differ when they are scaled to sum 1 elsewhere.
 _ROUNDING = 1e-9
 
 
-def load_model(path: str | PathLike[str]) -> ShapeConceptModel:
-    """Read a model that was written by `save_model` or `ShapeConceptModel.save`.
+def read_state(path: str | PathLike[str]) -> ModelState:
+    """Read the state that `write_state` wrote.
 
-    It answers like the one that was saved, to the last bit. Reading runs no code from the file, and every
-    number in it is checked before it is used.
-
-    Parameters
-    ----------
-    path : str or path
-
-    Returns
-    -------
-    ShapeConceptModel
-        With `n_jobs` None.
+    Reading runs no code from the file, and every number in it is checked before it is used.
 
     Raises
     ------
@@ -49,59 +42,64 @@ def load_model(path: str | PathLike[str]) -> ShapeConceptModel:
     """
     path = Path(path)
     try:
-        return restore_model(*read_container(path))
+        return restore_state(*read_container(path))
     except ModelError as error:
         raise ModelError(f"{path}: {error}") from None
     except RecursionError:
         raise ModelError(f"{path}: is no model file: its description is nested too deep") from None
 
 
-def restore_model(tensors: Tensors, description: dict[str, Any]) -> ShapeConceptModel:
-    """Model from the content of a file.
+def restore_state(tensors: Tensors, description: dict[str, Any]) -> ModelState:
+    """State of a model from the content of a file.
 
     Raises
     ------
     ModelError
         If the content is not that of a model.
     """
+    if description["format"] < FORMAT:
+        description = in_present_format(dict(description))
     n_scans, n_concepts = len(tensors["concepts.labels"]), len(tensors["concepts.medoids"])
     check_description(description, n_scans, n_concepts)
-    skipped: dict[int, str] = dict(description["skipped"])
-    ensemble_parameters = decode_parameters(
-        description["ensemble_parameters"], MotifHierarchyEnsemble, "the ensemble's parameters"
+    stages, skipped = description["stages"], dict(description["skipped"])
+    ensemble = decode_stage(stages["ensemble"], MotifHierarchyEnsemble, "ensemble")
+    filtration = decode_stage(stages["filtration"], Filtration, "filtration")
+    response = decode_stage(stages["response"], ConceptResponse, "response")
+    check_content(tensors, list(skipped), ensemble.columns)
+
+    _fit_ensemble(ensemble, tensors, description, skipped)
+    stimuli = _stimuli(tensors)
+    rows = normalised_rows(stimuli, "stimuli")
+    _fit_filtration(filtration, tensors, description, rows)
+    _fit_response(response, tensors, description, rows)
+    return ModelState(
+        decode_stage(stages["segmenter"], Segmenter, "segmenter"),
+        decode_descriptor(stages["descriptor"]),
+        ensemble,
+        filtration,
+        response,
+        stimuli,
+        description["scan_names"],
+        description["scan_labels"],
+        skipped,
     )
-    check_content(tensors, list(skipped), ensemble_parameters["columns"])
-
-    model = ShapeConceptModel(**decode_parameters(description["parameters"], ShapeConceptModel, "parameters"))
-    model.skipped_ = skipped
-    model.scan_names_, model.scan_labels_ = description["scan_names"], description["scan_labels"]
-    model.ensemble_ = _ensemble(tensors, description, ensemble_parameters)
-    model.stimuli_ = _stimuli(tensors)
-    rows = normalised_rows(model.stimuli_, "stimuli")
-    model.filtration_ = _filtration(tensors, description, rows)
-    model.concepts_, model.labels_ = model.filtration_.concepts_, model.filtration_.labels_
-    model.response_ = _response(tensors, description, rows)
-    return model
 
 
-def _ensemble(
-    tensors: Tensors, description: dict[str, Any], parameters: dict[str, Any]
-) -> MotifHierarchyEnsemble:
-    dictionary = SegmentDictionary(
-        **decode_parameters(
-            description["dictionary_parameters"], SegmentDictionary, "the dictionary's parameters"
-        )
+def _fit_ensemble(
+    ensemble: MotifHierarchyEnsemble, tensors: Tensors, description: dict[str, Any], skipped: dict[int, str]
+) -> None:
+    require(
+        isinstance(ensemble.dictionary, SegmentDictionary), "ensemble.dictionary must be a SegmentDictionary"
     )
+    assert ensemble.dictionary is not None
+    dictionary = clone(ensemble.dictionary)
     ends = np.cumsum(tensors["dictionary.level_sizes"])[:-1]
     dictionary.n_features_in_ = tensors["dictionary.words"].shape[1]
     dictionary._set_words(np.split(tensors["dictionary.words"], ends))
     dictionary.parents_ = np.split(tensors["dictionary.parents"], ends)
     dictionary.clusters_ = tensors["dictionary.clusters"]
 
-    ensemble = MotifHierarchyEnsemble(clone(dictionary), **parameters)
-    ensemble.dictionary_ = dictionary
-    skipped = dict(description["skipped"])
-    ensemble.hierarchies_ = MotifHierarchies(
+    hierarchies = MotifHierarchies(
         dictionary_levels=tensors["motifs.dictionary_levels"],
         motif_levels=tensors["motifs.motif_levels"],
         words=tensors["motifs.words"],
@@ -112,9 +110,11 @@ def _ensemble(
         prototype_constellations=tensors["prototypes.constellations"],
         object_names=tuple(name for i, name in enumerate(description["scan_names"]) if i not in skipped),
     )
-    ensemble._columns, ensemble.columns_ = ensemble.columns, tensors["stimuli.sources"]
-    ensemble._training_stimuli = ensemble._prototype_field = None
-    return ensemble
+    ensemble._remember(dictionary, hierarchies)
+    require(
+        np.array_equal(ensemble.columns_, tensors["stimuli.sources"]),
+        "tensor stimuli.sources must name the columns that follow from the prototypes",
+    )
 
 
 def _stimuli(tensors: Tensors) -> csr_matrix:
@@ -125,7 +125,9 @@ def _stimuli(tensors: Tensors) -> csr_matrix:
     )
 
 
-def _filtration(tensors: Tensors, description: dict[str, Any], rows: csr_matrix) -> Filtration:
+def _fit_filtration(
+    filtration: Filtration, tensors: Tensors, description: dict[str, Any], rows: csr_matrix
+) -> None:
     space = TopologicalSpace()
     space.n_features_in_ = rows.shape[1]
     space.vertices_ = tensors["space.vertices"]
@@ -141,15 +143,12 @@ def _filtration(tensors: Tensors, description: dict[str, Any], rows: csr_matrix)
     space.edges_, space.divergences_ = tensors["space.edges"], tensors["space.divergences"]
     space._set_heat()
 
-    filtration = Filtration(
-        **decode_parameters(description["filtration_parameters"], Filtration, "the filtration's parameters")
-    )
     refused_edges = tensors["filtration.refused_edges"]
     require(
         filtration.stop == "refusal" or len(refused_edges) == 0,
         f"tensor filtration.refused_edges must be empty where stop is {filtration.stop!r}",
     )
-    order, times = filtration._order(space)
+    order, times = order_of_edges(space, filtration.heat)
     filtration._annex(space, order, times, _are_among(space.edges_[order], refused_edges))
     filtration.concept_time_ = description["concept_time"]
     filtration.epsilon_max_ = description["epsilon_max"]
@@ -165,7 +164,6 @@ def _filtration(tensors: Tensors, description: dict[str, Any], rows: csr_matrix)
             strict=True,
         )
     ]
-    return filtration
 
 
 def _are_among(edges: NDArray[np.int32], others: NDArray[np.int32]) -> NDArray[np.bool_]:
@@ -175,12 +173,11 @@ def _are_among(edges: NDArray[np.int32], others: NDArray[np.int32]) -> NDArray[n
     return np.isin(numbers[: len(edges)], numbers[len(edges) :])
 
 
-def _response(tensors: Tensors, description: dict[str, Any], rows: csr_matrix) -> ConceptResponse:
+def _fit_response(
+    response: ConceptResponse, tensors: Tensors, description: dict[str, Any], rows: csr_matrix
+) -> None:
     labels = tensors["concepts.labels"]
     is_prototype = labels >= 0
-    response = ConceptResponse(
-        **decode_parameters(description["response_parameters"], ConceptResponse, "the response's parameters")
-    )
     response.n_features_in_ = rows.shape[1]
     response.classes_, response.prototype_concepts_ = np.unique(
         labels[is_prototype].astype(np.int64), return_inverse=True
@@ -188,7 +185,6 @@ def _response(tensors: Tensors, description: dict[str, Any], rows: csr_matrix) -
     response.prototypes_ = csr_matrix(rows[is_prototype])
     response.mean_, response.whitening_ = tensors["response.mean"], tensors["response.whitening"]
     response.largest_divergence_ = description["largest_divergence"]
-    return response
 
 
 def _members(labels: NDArray[np.int32], n_concepts: int) -> list[NDArray[np.int64]]:

@@ -1,4 +1,4 @@
-"""From a model to its file."""
+"""From a fitted model's state to its file."""
 
 from __future__ import annotations
 
@@ -8,72 +8,66 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from sklearn.utils.validation import check_is_fitted
 
-from shapeconcepts.model import ShapeConceptModel
 from shapeconcepts.model_file.container import write_container
 from shapeconcepts.model_file.error import ModelError
 from shapeconcepts.model_file.layout import FORMAT, Tensors, checked_tensors
-from shapeconcepts.model_file.loading import restore_model
+from shapeconcepts.model_file.loading import restore_state
 from shapeconcepts.model_file.parameters import encode_parameters
+from shapeconcepts.model_file.state import ModelState
+from shapeconcepts.version import __version__
 
 
-def save_model(model: ShapeConceptModel, path: str | PathLike[str]) -> None:
-    """Write a fitted model to a file, completely or not at all.
+def write_state(path: str | PathLike[str], state: ModelState) -> None:
+    """Write the state of a model to a file, completely or not at all.
 
-    The same model gives the same bytes. A file that is there is replaced and keeps its permissions; where the
+    The same state gives the same bytes. A file that is there is replaced and keeps its permissions; where the
     path is a link, the file that it leads to is replaced. `n_jobs` is not kept.
-
-    Parameters
-    ----------
-    model : ShapeConceptModel
-    path : str or path
-        The file; its folder must exist.
 
     Raises
     ------
     ModelError
-        If the model has a descriptor of one's own, or was changed so that its parts no longer fit each other.
-    sklearn.exceptions.NotFittedError
-        If the model is not fitted.
+        If the model has a stage of one's own, or was changed so that its parts no longer fit each other.
     OSError
         If the file cannot be written.
     """
-    check_is_fitted(model, "response_")
     try:
-        description = json.loads(json.dumps(_description(model), allow_nan=False))
-        tensors = checked_tensors(_tensors(model))
+        description = json.loads(json.dumps(_description(state), allow_nan=False))
+        tensors = checked_tensors(_tensors(state))
         # A file that could not be loaded again would be worth nothing.
-        restore_model(tensors, description)
+        restore_state(tensors, description)
     except (ModelError, TypeError, ValueError) as error:
         raise ModelError(f"model cannot be saved: {error}") from None
     write_container(Path(path), tensors, description)
 
 
-def _description(model: ShapeConceptModel) -> dict[str, Any]:
-    from shapeconcepts import __version__
-
+def _description(state: ModelState) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "written_by": f"shapeconcepts {__version__}",
-        "parameters": encode_parameters(model),
-        "dictionary_parameters": encode_parameters(model.ensemble_.dictionary_),
-        "ensemble_parameters": encode_parameters(model.ensemble_),
-        "filtration_parameters": encode_parameters(model.filtration_),
-        "response_parameters": encode_parameters(model.response_),
-        "scan_names": model.scan_names_,
-        "scan_labels": model.scan_labels_,
-        "skipped": sorted(model.skipped_.items()),
-        "concept_names": [concept.name for concept in model.concepts_],
-        "concept_time": model.filtration_.concept_time_,
-        "epsilon_max": model.filtration_.epsilon_max_,
-        "largest_divergence": model.response_.largest_divergence_,
+        "stages": {
+            "segmenter": encode_parameters(state.segmenter),
+            "descriptor": encode_parameters(state.descriptor),
+            "ensemble": {
+                **encode_parameters(state.ensemble),
+                "dictionary": encode_parameters(state.ensemble.dictionary_),
+            },
+            "filtration": encode_parameters(state.filtration),
+            "response": encode_parameters(state.response),
+        },
+        "scan_names": state.scan_names,
+        "scan_labels": state.scan_labels,
+        "skipped": sorted(state.skipped.items()),
+        "concept_names": [concept.name for concept in state.filtration.concepts_],
+        "concept_time": state.filtration.concept_time_,
+        "epsilon_max": state.filtration.epsilon_max_,
+        "largest_divergence": state.response.largest_divergence_,
     }
 
 
-def _tensors(model: ShapeConceptModel) -> Tensors:
-    dictionary, hierarchies = model.ensemble_.dictionary_, model.ensemble_.hierarchies_
-    space, response, concepts = model.filtration_.space_, model.response_, model.concepts_
+def _tensors(state: ModelState) -> Tensors:
+    dictionary, hierarchies = state.ensemble.dictionary_, state.ensemble.hierarchies_
+    space, concepts = state.filtration.space_, state.filtration.concepts_
     return {
         "dictionary.level_sizes": np.diff(dictionary._level_starts),
         "dictionary.words": dictionary._embedded_words,
@@ -87,18 +81,18 @@ def _tensors(model: ShapeConceptModel) -> Tensors:
         "prototypes.motifs": hierarchies.prototype_vertices,
         "prototypes.objects": hierarchies.prototype_objects,
         "prototypes.constellations": hierarchies.prototype_constellations,
-        "stimuli.sources": model.ensemble_.columns_,
-        "stimuli.row_lengths": np.diff(model.stimuli_.indptr),
-        "stimuli.columns": model.stimuli_.indices,
-        "stimuli.values": model.stimuli_.data,
+        "stimuli.sources": state.ensemble.columns_,
+        "stimuli.row_lengths": np.diff(state.stimuli.indptr),
+        "stimuli.columns": state.stimuli.indices,
+        "stimuli.values": state.stimuli.data,
         "space.vertices": space.vertices_,
         "space.edges": space.edges_,
         "space.divergences": space.divergences_,
-        "filtration.refused_edges": model.filtration_.refused_edges_,
-        "concepts.labels": model.labels_,
+        "filtration.refused_edges": state.filtration.refused_edges_,
+        "concepts.labels": state.filtration.labels_,
         "concepts.medoids": np.array([concept.medoid for concept in concepts], np.int64),
         "concepts.births": np.array([concept.birth for concept in concepts], np.float64),
         "concepts.deaths": np.array([concept.death for concept in concepts], np.float64),
-        "response.mean": response.mean_,
-        "response.whitening": response.whitening_,
+        "response.mean": state.response.mean_,
+        "response.whitening": state.response.whitening_,
     }

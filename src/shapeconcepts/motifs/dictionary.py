@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,9 +12,10 @@ from sklearn.utils.validation import check_is_fitted, validate_data
 
 from shapeconcepts.motifs.divisive_clustering import divide
 from shapeconcepts.motifs.word_kernels import nearest_words
-from shapeconcepts.parameters import check_integer
+from shapeconcepts.parameters import check_parameters, choice, whole_number
 
 METRICS = ("hellinger", "euclidean")
+MAX_LEVELS = 16
 
 
 class SegmentDictionary(TransformerMixin, BaseEstimator):
@@ -28,7 +29,7 @@ class SegmentDictionary(TransformerMixin, BaseEstimator):
     Parameters
     ----------
     n_levels : int
-        Number of levels, from 1. The first has two words.
+        Number of levels, 1 to 16. The first has two words.
     metric : {"hellinger", "euclidean"}
         What distance words are near under. "euclidean" compares histograms bin by bin (the paper's L2), which
         the few large bins decide; "hellinger" compares their square roots, as befits shares.
@@ -46,7 +47,12 @@ class SegmentDictionary(TransformerMixin, BaseEstimator):
         Number of bins, b.
     """
 
-    def __init__(self, n_levels: int = 8, metric: str = "hellinger") -> None:
+    _parameter_constraints: ClassVar[dict[str, list[Any]]] = {
+        "n_levels": [whole_number(1, MAX_LEVELS)],
+        "metric": [choice(*METRICS)],
+    }
+
+    def __init__(self, n_levels: int = 2, metric: str = "hellinger") -> None:
         self.n_levels = n_levels
         self.metric = metric
 
@@ -73,7 +79,8 @@ class SegmentDictionary(TransformerMixin, BaseEstimator):
         UserWarning
             If there are fewer different descriptions than words at the last level.
         """
-        n_levels = check_integer("n_levels", self.n_levels, 1)
+        check_parameters(self)
+        n_levels = self.n_levels
         rows = self._embed(X, reset=True)
         # In an order that only their content decides, sums round alike however the segments come in.
         order = np.lexsort(rows.T[::-1])
@@ -154,8 +161,6 @@ class SegmentDictionary(TransformerMixin, BaseEstimator):
 
     def _embed(self, X: ArrayLike, *, reset: bool) -> NDArray[np.float64]:
         """Points between which the metric is L2."""
-        if self.metric not in METRICS:
-            raise ValueError(f"metric must be one of {', '.join(map(repr, METRICS))}, got {self.metric!r}")
         rows = validate_data(self, X, reset=reset, dtype=np.float64, ensure_non_negative=True, order="C")
         return np.sqrt(rows) if self.metric == "hellinger" else rows
 

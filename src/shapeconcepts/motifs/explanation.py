@@ -11,7 +11,7 @@ from shapeconcepts.motifs.decomposition import segments_in
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.propagation import Propagation
 from shapeconcepts.motifs.prototype_stimuli import PrototypeField
-from shapeconcepts.motifs.stimuli import SMALLEST_STIMULUS, constellation_stimuli
+from shapeconcepts.motifs.stimuli import SMALLEST_STIMULUS, MotifField
 from shapeconcepts.motifs.stimulus_kernels import divergences_to, negative_entropies
 
 N_CLOSEST = 5
@@ -100,30 +100,24 @@ class Explanation:
     columns: str = "motifs"
 
 
-def explain_propagation(
-    propagation: Propagation, hierarchies: MotifHierarchies, columns: NDArray[np.int64], bandwidth: float
-) -> Explanation:
-    """Explain the stimuli of a propagated object.
+def explain(propagation: Propagation, field: PrototypeField | MotifField) -> Explanation:
+    """Explain the stimuli of a propagated object."""
+    by = _explain_by_prototypes if isinstance(field, PrototypeField) else _explain_by_motifs
+    return by(propagation, field)  # type: ignore[arg-type]
 
-    Parameters
-    ----------
-    propagation : Propagation
-    hierarchies : MotifHierarchies
-    columns : (c,) int64
-        Vertex behind each column.
-    bandwidth : float
-    """
-    column_of = np.full(hierarchies.n_vertices, -1, np.int32)
-    column_of[columns] = np.arange(len(columns))
-    activation = (propagation.histograms, hierarchies.activated(propagation.words), -1)
-    fired_columns, stimuli = constellation_stimuli(activation, hierarchies, column_of, bandwidth)
+
+def _explain_by_motifs(propagation: Propagation, field: MotifField) -> Explanation:
+    hierarchies = field.hierarchies
+    fired_columns, stimuli = field.stimuli(
+        (propagation.histograms, hierarchies.activated(propagation.words), -1)
+    )
     strongest: dict[int, tuple[float, int]] = {}
     for (constellation, level), stimulus in np.ndenumerate(stimuli):
         column = int(fired_columns[constellation, level])
         if stimulus >= SMALLEST_STIMULUS and stimulus > strongest.get(column, (0.0, -1))[0]:
             strongest[column] = (float(stimulus), constellation)
     motifs = [
-        _fired_motif(column, int(columns[column]), *fired, propagation, hierarchies)
+        _fired_motif(column, int(field.columns[column]), *fired, propagation, hierarchies)
         for column, fired in strongest.items()
     ]
     motifs.sort(key=lambda motif: (-motif.stimulus, -len(motif.words), motif.column))
@@ -134,14 +128,13 @@ def explain_propagation(
     )
 
 
-def explain_by_prototypes(
-    propagation: Propagation, hierarchies: MotifHierarchies, field: PrototypeField
-) -> Explanation:
-    """Explain the stimuli of single prototypes: one entry for each constellation that stimulates any.
+def _explain_by_prototypes(propagation: Propagation, field: PrototypeField) -> Explanation:
+    """One entry for each constellation that stimulates any prototype.
 
     The motif of an entry is the one of the finest dictionary level that the constellation shares with the
     prototype that it stimulates most; without any, it has level 0 and no words.
     """
+    hierarchies = field.hierarchies
     activated = hierarchies.activated(propagation.words)
     motifs = []
     for constellation, histogram in enumerate(propagation.histograms):

@@ -1,8 +1,7 @@
-"""Stimuli of single prototypes as sparse rows: equation 1 without its mean over a vertex's prototypes."""
+"""Stimuli of single prototypes: equation 1 without its mean over a vertex's prototypes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,8 +16,6 @@ from shapeconcepts.motifs.prototype_kernels import (
 )
 from shapeconcepts.motifs.stimuli import Activation, SparseRow
 
-# Sigma in parts of the divergence to the N-th neighbour.
-WIDTH = 0.35
 SMALLEST_KERNEL = 1e-3
 
 
@@ -30,38 +27,35 @@ class PrototypeField:
 
         (1 + m) / (1 + n) * exp(-d(t, q)^2 / (2 * sigma_t * sigma_q)),
 
-    where d is the squared Hellinger distance of their descriptions, sigma is 0.35 times the divergence d to
-    the N-th nearest prototype of other objects (the last where there are fewer; 1e-5 at least), and m of the
-    n hierarchies give both the same motif. Where they have nothing in common (d = 1, also without mass) there
-    is no stimulus.
+    where d is the squared Hellinger distance of their descriptions, sigma is `width` times the divergence d
+    to the N-th nearest prototype of other objects (the last where there are fewer; 1e-5 at least), and m of
+    the n hierarchies give both the same motif. Where they have nothing in common (d = 1, also without mass)
+    there is no stimulus.
 
     Attributes
     ----------
+    hierarchies : MotifHierarchies
     roots : (b, p) float32
         Square roots of the prototypes' histograms.
     scales : (p,) float64
         Divergence of each prototype to its N-th neighbour, at least 1e-5.
-    vertices : (p, n) int32
-        Motif vertex of each prototype in each hierarchy.
-    objects : (p,) int32
-        Training object of each prototype.
     n_neighbours : int
         N.
+    width : float
     """
 
+    hierarchies: MotifHierarchies
     roots: NDArray[np.float32]
     scales: NDArray[np.float64]
-    vertices: NDArray[np.int32]
-    objects: NDArray[np.int32]
     n_neighbours: int
+    width: float
 
     @classmethod
-    def of(cls, hierarchies: MotifHierarchies, n_neighbours: int) -> PrototypeField:
+    def of(cls, hierarchies: MotifHierarchies, n_neighbours: int, width: float) -> PrototypeField:
         """The field of the prototypes of hierarchies."""
         roots = np.ascontiguousarray(np.sqrt(hierarchies.prototypes).T)
-        objects = hierarchies.prototype_objects
-        scales = neighbourhood_scales(roots, objects, n_neighbours)
-        return cls(roots, scales, hierarchies.prototype_vertices, objects, n_neighbours)
+        scales = neighbourhood_scales(roots, hierarchies.prototype_objects, n_neighbours)
+        return cls(hierarchies, roots, scales, n_neighbours, width)
 
     def stimuli(self, histogram: NDArray[np.float32], activated: NDArray[np.int32]) -> NDArray[np.float64]:
         """Stimulus of each prototype by one constellation of a new object, (p,) float64, 0 to 1.
@@ -79,31 +73,23 @@ class PrototypeField:
         prototype_stimuli(activated, *self._known, -1, *self._constants, stimuli[0], buffer)
         return stimuli[0]
 
-    def row(self, activation: Activation) -> NDArray[np.float64]:
-        """Stimulus of each prototype by an object, (p,) float64, 0 to 1; see `prototype_rows`."""
+    def row(self, activation: Activation) -> SparseRow:
+        """Row of an object: the mean of its constellations' stimuli, each scaled to sum 1.
+
+        A constellation that stimulates nothing counts as zeros, so a row sums to the share of an object's
+        constellations that remind of anything.
+        """
         histograms, activated, left_out = activation
-        return prototype_row(
+        row = prototype_row(
             np.sqrt(histograms), self.roots, activated, *self._known, left_out, *self._constants
         )
+        columns = np.flatnonzero(row)
+        return columns.astype(np.int32), row[columns]
 
     @property
     def _known(self) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
-        return self.vertices, self.objects, self.scales
+        return self.hierarchies.prototype_vertices, self.hierarchies.prototype_objects, self.scales
 
     @property
     def _constants(self) -> tuple[int, float, float]:
-        return self.n_neighbours, WIDTH, SMALLEST_KERNEL
-
-
-def prototype_rows(activations: Sequence[Activation], field: PrototypeField) -> list[SparseRow]:
-    """Row of each object over the prototypes: the mean of its constellations' stimuli, each scaled to sum 1.
-
-    A constellation that stimulates nothing counts as zeros, so a row sums to the share of an object's
-    constellations that remind of anything.
-    """
-    rows = []
-    for activation in activations:
-        row = field.row(activation)
-        columns = np.flatnonzero(row)
-        rows.append((columns.astype(np.int32), row[columns]))
-    return rows
+        return self.n_neighbours, self.width, SMALLEST_KERNEL

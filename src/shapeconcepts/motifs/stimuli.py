@@ -1,8 +1,10 @@
-"""Stimuli of objects as sparse rows (paper: equation 1)."""
+"""Stimuli of motifs as sparse rows (paper: equation 1)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,62 +21,73 @@ Activation = tuple[NDArray[np.float32], NDArray[np.int32], int]
 SparseRow = tuple[NDArray[np.int32], NDArray[np.float64]]
 
 
-def constellation_stimuli(
-    activation: Activation,
-    hierarchies: MotifHierarchies,
-    column_of: NDArray[np.int32],
-    bandwidth: float,
-) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
-    """Column (-1 for none) and stimulus of each of an object's constellations in each hierarchy.
+@dataclass(frozen=True, eq=False)
+class MotifField:
+    """Motif vertices as sources of stimuli, each the mean over its prototypes.
 
-    Parameters
+    Attributes
     ----------
-    activation : Activation
     hierarchies : MotifHierarchies
-    column_of : (v,) int32
-        Column of each vertex, -1 for none.
+    columns : (c,) int64
+        Vertex behind each column.
     bandwidth : float
-
-    Returns
-    -------
-    columns : (k, n) int32
-    stimuli : (k, n) float64
-        Mean kernel over the prototypes; 0 where there is no column.
+        Sigma of equation 1, bits.
     """
-    histograms, vertices, left_out = activation
-    columns = np.where(vertices >= 0, column_of[vertices], -1) if len(column_of) else vertices
-    stimuli = mean_activations(
-        histograms,
-        np.where(columns >= 0, vertices, -1).astype(np.int32),
-        *hierarchies.prototypes_of,
-        hierarchies.prototypes,
-        hierarchies.prototype_entropies,
-        hierarchies.prototype_objects,
-        left_out,
-        bandwidth,
-    )
-    return columns, stimuli
 
+    hierarchies: MotifHierarchies
+    columns: NDArray[np.int64]
+    bandwidth: float
 
-def stimuli_rows(
-    activations: Sequence[Activation],
-    hierarchies: MotifHierarchies,
-    column_of: NDArray[np.int32],
-    bandwidth: float,
-) -> list[SparseRow]:
-    """Row of each object: rising columns, and the largest stimulus of the constellations at each.
+    @classmethod
+    def of(cls, hierarchies: MotifHierarchies, min_support: int, bandwidth: float) -> MotifField:
+        """The field of the vertices that were seen in at least `min_support` training objects."""
+        supported = np.flatnonzero(hierarchies.support >= min_support)
+        words = hierarchies.words[supported]
+        # Words stand at the end of their row: fewer words mean more -1 before them, so sorting the whole row
+        # orders by number first, and nothing depends on when a vertex was seen.
+        order = np.lexsort((*words.T[::-1], hierarchies.dictionary_levels[supported]))
+        return cls(hierarchies, supported[order], bandwidth)
 
-    Stimuli under 1e-6 are dropped.
-    """
-    rows = []
-    for activation in activations:
-        columns, stimuli = constellation_stimuli(activation, hierarchies, column_of, bandwidth)
+    @cached_property
+    def _column_of(self) -> NDArray[np.int32]:
+        column_of = np.full(self.hierarchies.n_vertices, -1, np.int32)
+        column_of[self.columns] = np.arange(len(self.columns))
+        return column_of
+
+    def stimuli(self, activation: Activation) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
+        """Column (-1 for none) and stimulus of each of an object's constellations in each hierarchy.
+
+        Returns
+        -------
+        columns : (k, n) int32
+        stimuli : (k, n) float64
+            Mean kernel over the prototypes; 0 where there is no column.
+        """
+        histograms, vertices, left_out = activation
+        columns = np.where(vertices >= 0, self._column_of[vertices], -1) if len(self._column_of) else vertices
+        stimuli = mean_activations(
+            histograms,
+            np.where(columns >= 0, vertices, -1).astype(np.int32),
+            *self.hierarchies.prototypes_of,
+            self.hierarchies.prototypes,
+            self.hierarchies.prototype_entropies,
+            self.hierarchies.prototype_objects,
+            left_out,
+            self.bandwidth,
+        )
+        return columns, stimuli
+
+    def row(self, activation: Activation) -> SparseRow:
+        """Row of an object: rising columns, and the largest stimulus of the constellations at each.
+
+        Stimuli under 1e-6 are dropped.
+        """
+        columns, stimuli = self.stimuli(activation)
         fired = stimuli >= SMALLEST_STIMULUS
         distinct, position = np.unique(columns[fired], return_inverse=True)
         largest = np.zeros(len(distinct))
         np.maximum.at(largest, position, stimuli[fired])
-        rows.append((distinct.astype(np.int32), largest))
-    return rows
+        return distinct.astype(np.int32), largest
 
 
 def sparse_rows(rows: Sequence[SparseRow], n_columns: int) -> csr_matrix:

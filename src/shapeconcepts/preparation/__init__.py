@@ -1,6 +1,6 @@
 """Preparation: from a scan to voxels with normals."""
 
-from shapeconcepts.preparation.pipeline import prepare
+from shapeconcepts.preparation.preparation import prepare
 from shapeconcepts.preparation.prepared_object import PreparedObject
 
 __all__ = ["PreparedObject", "prepare"]

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from shapeconcepts import __version__
 from shapeconcepts.io.atomic_write import write_atomically
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
+from shapeconcepts.version import __version__
 
 # What a segmented object depends on, apart from the scan and the parameters.
 _SOURCES = (

@@ -11,7 +11,6 @@ from shapeconcepts.topology.inverted_index_kernels import inverted_index
 from shapeconcepts.topology.neighbourhood_kernels import most_similar_rows
 from shapeconcepts.topology.space import TopologicalSpace
 
-NEIGHBOURS_PER_ROOT = 3.0
 # Fewer neighbours say too little about a class.
 FEWEST_NEIGHBOURS = 36
 # So that the memory for sorting stays small.
@@ -38,13 +37,14 @@ class Neighbourhoods(NamedTuple):
     divergences: NDArray[np.float64]
 
     @classmethod
-    def of(cls, space: TopologicalSpace) -> Neighbourhoods:
-        """Neighbourhoods in a fitted space.
+    def of(cls, space: TopologicalSpace, neighbours_per_root: float) -> Neighbourhoods:
+        """Neighbourhoods in a fitted space, of the size of `neighbourhood_size`.
 
         Vertices are taken, the nearest first and of equally near ones the first, until they hold K objects
         beside one of the vertex itself.
         """
-        n, n_neighbours = len(space.multiplicities_), neighbourhood_size(int(space.multiplicities_.sum()))
+        n = len(space.multiplicities_)
+        n_neighbours = neighbourhood_size(int(space.multiplicities_.sum()), neighbours_per_root)
         matrix = (
             space.rows_.indptr.astype(np.int64),
             space.rows_.indices.astype(np.int32),
@@ -71,7 +71,7 @@ class Neighbourhoods(NamedTuple):
         return cls(n_neighbours, starts, nearest[: starts[n]], divergences[: starts[n]])
 
 
-def neighbourhood_size(n_objects: int) -> int:
-    """Number of an object's neighbours: 3 sqrt(n), at least 36, but no more than half of all objects."""
-    wanted = max(round(NEIGHBOURS_PER_ROOT * n_objects**0.5), FEWEST_NEIGHBOURS)
+def neighbourhood_size(n_objects: int, per_root: float) -> int:
+    """Number of an object's neighbours: so many times sqrt(n), at least 36, at most half of all objects."""
+    wanted = max(round(per_root * n_objects**0.5), FEWEST_NEIGHBOURS)
     return max(min(wanted, n_objects // 2), 1)

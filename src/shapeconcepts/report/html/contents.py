@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts import __version__
 from shapeconcepts.concepts import Filtration
 from shapeconcepts.model import ShapeConceptModel
 from shapeconcepts.report.html.filtration_layout import lay_out_filtration
@@ -19,6 +18,7 @@ from shapeconcepts.report.html.time_scale import TimeScale, annexation_counts
 from shapeconcepts.report.html.tree_layout import lay_out_tree
 from shapeconcepts.report.palette import NO_SEGMENT_COLOUR, SEGMENT_COLOURS
 from shapeconcepts.topology.divergence import jensen_shannon_divergences
+from shapeconcepts.version import __version__
 
 # All previews of a page together, so that the file stays under 25 MB however many scans there are.
 LARGEST_PREVIEWS = 15_000_000

@@ -1,0 +1,81 @@
+"""From many scans to described objects; those that cannot be described are told apart."""
+
+from __future__ import annotations
+
+import warnings
+from functools import partial
+
+import numpy as np
+
+from shapeconcepts.descriptors.described_object import DescribedObject, describe
+from shapeconcepts.descriptors.protocol import Descriptor
+from shapeconcepts.parallel import map_in_order
+from shapeconcepts.parameters import as_list
+from shapeconcepts.scan import Scan, ScanError, ScanWarning
+from shapeconcepts.segmentation import SegmentedObject, Segmenter
+
+
+def list_of_scans(X: object) -> list[object]:
+    """Scans of an iterable.
+
+    Raises
+    ------
+    ValueError
+        If X is a single scan.
+    """
+    if isinstance(X, np.ndarray) and X.ndim == 2:
+        raise ValueError(f"X must be a list of scans, got a single {X.shape} array: wrap it in a list, [X]")
+    return as_list(X, (Scan, SegmentedObject, DescribedObject))
+
+
+def describe_scans(
+    scans: list[object], segmenter: Segmenter, descriptor: str | Descriptor, n_jobs: int | None
+) -> tuple[list[DescribedObject | None], dict[int, str]]:
+    """Segment and describe scans; None, with the reason by its position, where that is not possible.
+
+    Raises
+    ------
+    ScanError
+        If no scan can be described.
+
+    Warns
+    -----
+    ScanWarning
+        If a scan cannot be described.
+    """
+    results = list(map_in_order(partial(describe_scan, segmenter, descriptor), scans, n_jobs))
+    skipped = {i: str(result) for i, result in enumerate(results) if isinstance(result, ScanError)}
+    if scans and len(skipped) == len(scans):
+        raise ScanError(skipped[0])
+    if skipped:
+        reasons = "; ".join([f"number {i}: {reason}" for i, reason in skipped.items()][:3])
+        more = "; ..." if len(skipped) > 3 else ""
+        warnings.warn(
+            f"{len(skipped)} of {len(scans)} scans are skipped: {reasons}{more}", ScanWarning, stacklevel=3
+        )
+    return [None if isinstance(result, ScanError) else result for result in results], skipped
+
+
+def describe_scan(
+    segmenter: Segmenter, descriptor: str | Descriptor, scan: object
+) -> DescribedObject | ScanError:
+    """Segment and describe a scan, or say why that is not possible.
+
+    Parameters
+    ----------
+    segmenter : Segmenter
+    descriptor : str or Descriptor
+    scan : Scan, (n, 3) array, point cloud, SegmentedObject or DescribedObject
+        What is segmented or described already stays as it is.
+    """
+    if isinstance(scan, DescribedObject):
+        return scan
+    try:
+        segmented = scan if isinstance(scan, SegmentedObject) else segmenter.segment(scan)
+        return describe(segmented, descriptor)
+    except ScanError as error:
+        return error
+    except Exception as error:
+        # What nobody foresaw in a scan must not end the work on a thousand others.
+        name = getattr(scan, "name", "") or "scan"
+        return ScanError(f"{name}: cannot be described ({type(error).__name__}: {error})")

@@ -1,0 +1,39 @@
+"""What a fitted model is made of: all that a file keeps of it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from scipy.sparse import csr_matrix
+
+from shapeconcepts.concepts import ConceptResponse, Filtration
+from shapeconcepts.descriptors import Descriptor
+from shapeconcepts.motifs import MotifHierarchyEnsemble
+from shapeconcepts.segmentation import Segmenter
+
+
+class ModelState(NamedTuple):
+    """Stages as they were fitted, and what is known of the training scans.
+
+    Attributes
+    ----------
+    segmenter, descriptor
+    ensemble, filtration, response
+        Fitted.
+    stimuli : (n, c) csr_matrix of float64
+        Of the training scans; the row of a skipped scan is empty.
+    scan_names : list of str
+    scan_labels : list of (str or None)
+    skipped : dict of int to str
+        Scans that could not be used, with the reason.
+    """
+
+    segmenter: Segmenter
+    descriptor: str | Descriptor
+    ensemble: MotifHierarchyEnsemble
+    filtration: Filtration
+    response: ConceptResponse
+    stimuli: csr_matrix
+    scan_names: list[str]
+    scan_labels: list[str | None]
+    skipped: dict[int, str]
