@@ -7,9 +7,10 @@ from pathlib import Path
 
 from PIL import Image
 
+from pictures import draw_dictionary, draw_hierarchy
 from shapeconcepts import MotifHierarchyEnsemble, SegmentDictionary, segment
 from shapeconcepts.datasets import simulate, simulate_scan
-from shapeconcepts.report import draw_dictionary, draw_explanation, draw_hierarchy
+from shapeconcepts.report import draw_explanation
 
 IMAGES = Path(__file__).parent / "images"
 

@@ -8,6 +8,7 @@ from PIL import Image
 
 from shapeconcepts.report import contact_sheet, draw_points, draw_segments
 from shapeconcepts.report.camera import view_axes
+from shapeconcepts.report.lettering import font_of, shorten
 from shapeconcepts.report.palette import NO_SEGMENT_COLOUR, SEGMENT_COLOURS, colours_of
 from shapeconcepts.report.splatting import splat
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
@@ -151,6 +152,17 @@ def test_a_long_name_is_shortened_from_the_front() -> None:
     pixels = np.asarray(long)
     assert pixels[200:, :2].min() == 255
     assert pixels[200:, -2:].min() == 255
+
+
+def test_long_text_keeps_its_end_and_fits() -> None:
+    font = font_of(13)
+    for text in ("short", "x" * 300 + "end", "line\nbreak" * 40, "", "漢字" * 100, "long" * 10_000):
+        short = shorten(text, font, 120)
+        assert font.getlength(short) <= 120
+        assert "\n" not in short
+        assert text.replace("\n", " ").endswith(short.lstrip("…"))
+    assert shorten("short", font, 120) == "short"
+    assert shorten("x" * 300 + "end", font, 120).endswith("end")
 
 
 def test_unknown_viewpoint_looks_against_the_mean_normal() -> None:

@@ -1,4 +1,16 @@
-"""Pictures and reports."""
+"""Pictures and reports: which ways of drawing the product has, and why.
+
+* Splatting (`splatting`, for `draw_points` and `draw_segments`): the points of scans as closed surfaces, in
+  contact sheets and thumbnails; numpy only, as OpenGL would need a driver or a display.
+* A sheet on Pillow (`canvas`, for `draw_explanation`): lines, bars, text and thumbnails in rows, placed by
+  the pixel, where there are no axes to plot; Pillow brings its own font.
+* A page of HTML and plain JavaScript (`html`): the report of `learn`, in which scans are turned and time is
+  moved; one file for any browser, without a network, WebGL or a build.
+* matplotlib (`shapeconcepts.evaluation.report` alone): axes, legends and vector formats of the evaluation's
+  figures; imported only when these are drawn.
+
+The pictures of dictionary and hierarchy serve the documentation alone: docs/pictures draws them.
+"""
 
 from __future__ import annotations
 
@@ -8,28 +20,13 @@ from typing import TYPE_CHECKING, Any
 from shapeconcepts.report.picture import contact_sheet, draw_points, draw_segments
 
 if TYPE_CHECKING:
-    from shapeconcepts.report.dictionary_picture import draw_dictionary
     from shapeconcepts.report.explanation_picture import draw_explanation
-    from shapeconcepts.report.hierarchy_picture import draw_hierarchy
 
-__all__ = [
-    "contact_sheet",
-    "draw_dictionary",
-    "draw_explanation",
-    "draw_hierarchy",
-    "draw_points",
-    "draw_segments",
-]
-
-# These need scikit-learn, for which a picture of segments should not wait.
-_HOME_OF = {
-    "draw_dictionary": ".dictionary_picture",
-    "draw_explanation": ".explanation_picture",
-    "draw_hierarchy": ".hierarchy_picture",
-}
+__all__ = ["contact_sheet", "draw_explanation", "draw_points", "draw_segments"]
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOME_OF:
+    # It needs scikit-learn, for which a picture of segments should not wait.
+    if name != "draw_explanation":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(_HOME_OF[name], __name__), name)
+    return import_module(".explanation_picture", __name__).draw_explanation

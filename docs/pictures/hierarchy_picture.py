@@ -8,14 +8,15 @@ from os import PathLike
 import numpy as np
 from PIL import Image
 
+from pictures.diagram import Diagram
+from pictures.hierarchy_excerpt import HierarchyExcerpt, Pair, excerpt_of
+from pictures.hierarchy_layout import vertex_places
+from pictures.word_colours import word_colours
 from shapeconcepts.motifs.ensemble import MotifHierarchyEnsemble
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
-from shapeconcepts.report.canvas import WHITE, Canvas, Colour, Point, blend
-from shapeconcepts.report.hierarchy_excerpt import HierarchyExcerpt, Pair, excerpt_of
-from shapeconcepts.report.hierarchy_layout import vertex_places
+from shapeconcepts.report.canvas import WHITE, Colour, Point, blend
 from shapeconcepts.report.highlighting import draw_highlighted
 from shapeconcepts.report.lettering import NOTE_COLOUR
-from shapeconcepts.report.word_colours import word_colours
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 _MARGIN = 24
@@ -89,7 +90,7 @@ def draw_hierarchy(
 
     n_rows = len(excerpt.rows)
     height = max(_TITLE + n_rows * _ROW + _MARGIN, _LOWEST)
-    canvas = Canvas(_LABELS + 2 * _PLATE[0] + _PANEL + 3 * _MARGIN, height)
+    canvas = Diagram(_LABELS + 2 * _PLATE[0] + _PANEL + 3 * _MARGIN, height)
     lowest = (height + _TITLE - _MARGIN + (n_rows - 1) * _ROW) / 2
     centres = [(_MARGIN + _LABELS + _PLATE[0], lowest - row * _ROW) for row in range(n_rows)]
     place = vertex_places(excerpt, centres)
@@ -126,7 +127,9 @@ def draw_hierarchy(
     return canvas.finish(path)
 
 
-def _draw_link(canvas: Canvas, start: Point, end: Point, middle: float, colour: Colour, width: float) -> None:
+def _draw_link(
+    canvas: Diagram, start: Point, end: Point, middle: float, colour: Colour, width: float
+) -> None:
     """Link on the plate whose middle is at the height `middle`."""
     if start == end:
         canvas.disc((start[0] + 0.9 * _RADIUS, start[1] - 0.9 * _RADIUS), 0.55 * _RADIUS, None, colour)
@@ -137,7 +140,7 @@ def _draw_link(canvas: Canvas, start: Point, end: Point, middle: float, colour: 
     canvas.curve(start, ((start[0] + end[0]) / 2, y + bend * (middle - y)), end, colour, width)
 
 
-def _draw_vertex(canvas: Canvas, at: Point, slices: list[Colour], n_prototypes: int, is_own: bool) -> None:
+def _draw_vertex(canvas: Diagram, at: Point, slices: list[Colour], n_prototypes: int, is_own: bool) -> None:
     dot = (0x5A, 0x63, 0x70) if is_own else (0xC9, 0xCE, 0xD5)
     for k in range(min(n_prototypes, _MOST_DOTS)):
         angle = 2 * pi * k / min(n_prototypes, _MOST_DOTS) - pi / 2
@@ -147,7 +150,7 @@ def _draw_vertex(canvas: Canvas, at: Point, slices: list[Colour], n_prototypes: 
     canvas.pie(at, _RADIUS - 0.5, slices)
 
 
-def _draw_title(canvas: Canvas, known: MotifHierarchies, dictionary_level: int) -> None:
+def _draw_title(canvas: Diagram, known: MotifHierarchies, dictionary_level: int) -> None:
     count = int((known.dictionary_levels == dictionary_level).sum())
     vertices = "1 motif vertex" if count == 1 else f"{count:,} motif vertices"
     prototypes = "1 prototype" if len(known.prototypes) == 1 else f"{len(known.prototypes):,} prototypes"
@@ -157,7 +160,7 @@ def _draw_title(canvas: Canvas, known: MotifHierarchies, dictionary_level: int) 
     canvas.text((_MARGIN + width + 20, 34), f"{vertices} with {prototypes} of {objects}", 14, NOTE_COLOUR)
 
 
-def _draw_level_label(canvas: Canvas, excerpt: HierarchyExcerpt, level: int, at: Point) -> None:
+def _draw_level_label(canvas: Diagram, excerpt: HierarchyExcerpt, level: int, at: Point) -> None:
     row, total = excerpt.rows[level], excerpt.n_vertices[level]
     n_own = excerpt.n_activated[level]
     canvas.text((at[0], at[1] - 18), f"motif level {level + 1}", 16)
@@ -169,7 +172,7 @@ def _draw_level_label(canvas: Canvas, excerpt: HierarchyExcerpt, level: int, at:
 
 
 def _draw_panel(
-    canvas: Canvas, segmented: SegmentedObject, excerpt: HierarchyExcerpt, colours: list[Colour], left: float
+    canvas: Diagram, segmented: SegmentedObject, excerpt: HierarchyExcerpt, colours: list[Colour], left: float
 ) -> None:
     """The object in the colours of its words, what is not in the picture, and what the marks mean."""
     colour_of = {segment: colours[word] for segment, word in enumerate(excerpt.segment_words.tolist())}
@@ -204,7 +207,7 @@ def _draw_panel(
     _draw_legend(canvas, (left + 34, max(y + 24, canvas.size[1] - 210.0)), colours[:2])
 
 
-def _draw_legend(canvas: Canvas, at: Point, slices: list[Colour]) -> None:
+def _draw_legend(canvas: Diagram, at: Point, slices: list[Colour]) -> None:
     x, y = at
     text = x + 40
     _draw_vertex(canvas, (x, y), slices, 6, True)

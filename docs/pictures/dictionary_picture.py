@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from pictures.diagram import Diagram
+from pictures.word_colours import word_colours
+from pictures.word_examples import Example, word_examples
 from shapeconcepts.descriptors.protocol import Descriptor
 from shapeconcepts.motifs.dictionary import SegmentDictionary
-from shapeconcepts.report.canvas import WHITE, Canvas, Colour, Point, blend
+from shapeconcepts.report.canvas import WHITE, Colour, Point, blend
 from shapeconcepts.report.highlighting import draw_highlighted
 from shapeconcepts.report.lettering import NOTE_COLOUR, font_of
-from shapeconcepts.report.word_colours import word_colours
-from shapeconcepts.report.word_examples import Example, word_examples
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 MOST_LEVELS = 5
@@ -81,7 +82,7 @@ def draw_dictionary(
     if objects is not None:
         examples = word_examples(dictionary, objects, descriptor, n_levels, n_examples)
     tree = _tree(parents, examples)
-    canvas = Canvas(tree.width, tree.tops[-1] + tree.heights[-1] + _MARGIN)
+    canvas = Diagram(tree.width, tree.tops[-1] + tree.heights[-1] + _MARGIN)
 
     root = (float(tree.centres[0].mean()), float(_MARGIN + _ROOT[1]))
     colours = word_colours(dictionary)[:n_levels]
@@ -154,7 +155,7 @@ def _card_width(n_abreast: int) -> float:
     return max(_NARROWEST_CARD, n_abreast * _THUMB + 2 * _PADDING)
 
 
-def _draw_root(canvas: Canvas, bottom: Point, n_segments: int, n_objects: int | None) -> None:
+def _draw_root(canvas: Diagram, bottom: Point, n_segments: int, n_objects: int | None) -> None:
     text = "1 segment" if n_segments == 1 else f"{n_segments:,} segments"
     if n_objects is not None:
         text += " of 1 object" if n_objects == 1 else f" of {n_objects:,} objects"
@@ -162,12 +163,12 @@ def _draw_root(canvas: Canvas, bottom: Point, n_segments: int, n_objects: int | 
     canvas.text((bottom[0], bottom[1] - _ROOT[1] / 2), text, 14, anchor="mm", width=_ROOT[0])
 
 
-def _draw_level_label(canvas: Canvas, top: float, level: int, n_words: int) -> None:
+def _draw_level_label(canvas: Diagram, top: float, level: int, n_words: int) -> None:
     canvas.text((_MARGIN, top + 12), f"d{level}", 20)
     canvas.text((_MARGIN, top + 32), "1 word" if n_words == 1 else f"{n_words} words", 12, NOTE_COLOUR)
 
 
-def _draw_header(canvas: Canvas, centre: Point, word: int, n_members: int, colour: Colour) -> None:
+def _draw_header(canvas: Diagram, centre: Point, word: int, n_members: int, colour: Colour) -> None:
     """Disc with the number of the word, and how many segments lie behind it."""
     text = "1 segment" if n_members == 1 else f"{n_members:,} segments"
     left = centre[0] - (_DISC * 2 + 6 + font_of(13).getlength(text)) / 2
@@ -175,7 +176,7 @@ def _draw_header(canvas: Canvas, centre: Point, word: int, n_members: int, colou
     canvas.text((left + 2 * _DISC + 6, centre[1]), text, 13)
 
 
-def _draw_examples(canvas: Canvas, top: Point, pictures: list[Image.Image], n_abreast: int) -> None:
+def _draw_examples(canvas: Diagram, top: Point, pictures: list[Image.Image], n_abreast: int) -> None:
     """Rows of pictures, each row centred."""
     for start in range(0, len(pictures), max(n_abreast, 1)):
         row = pictures[start : start + n_abreast]

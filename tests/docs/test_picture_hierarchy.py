@@ -1,52 +1,23 @@
 """Pictures of motif hierarchies: what is shown, where, in which colour."""
 
-from dataclasses import dataclass
 from itertools import combinations, pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+from learned_planes import Given, count, plane
 from PIL import Image
 
-from shapeconcepts.descriptors.protocol import Description
+from pictures import draw_hierarchy
+from pictures.hierarchy_excerpt import excerpt_of
+from pictures.hierarchy_layout import RING, vertex_places
+from pictures.word_colours import word_colours
 from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary
-from shapeconcepts.report import draw_hierarchy
 from shapeconcepts.report.canvas import WHITE, blend
-from shapeconcepts.report.hierarchy_excerpt import excerpt_of
-from shapeconcepts.report.hierarchy_layout import RING, vertex_places
-from shapeconcepts.report.word_colours import word_colours
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
-VOXEL = 0.005
 STEP = (0xC2, 0x25, 0x4C)
 CENTRES = [(600.0, 800.0 - 200 * level) for level in range(12)]
-
-
-@dataclass(frozen=True)
-class Given:
-    """A descriptor whose histograms are given for each object by name."""
-
-    histograms: dict[str, np.ndarray]
-
-    def describe(self, segmented: SegmentedObject) -> Description:
-        return Description(self.histograms[segmented.name])
-
-
-def plane(n_segments: int, edges: list[tuple[int, int]], name: str) -> SegmentedObject:
-    x, y = (axis.ravel() for axis in np.meshgrid(np.arange(12) - 5.5, np.arange(12) - 5.5))
-    labels = (np.arange(144) % 12 * n_segments // 12).astype(np.int32)
-    return SegmentedObject(
-        points=np.stack([x * VOXEL, y * VOXEL, np.ones(144)], axis=1),
-        normals=np.tile([0.0, 0.0, -1.0], (144, 1)),
-        patch_labels=labels,
-        segment_labels=labels,
-        segment_edges=np.array(sorted(edges), np.int32).reshape(-1, 2),
-        n_segments=n_segments,
-        point_to_voxel=np.arange(144, dtype=np.int32),
-        voxel_size=VOXEL,
-        viewpoint=np.zeros(3),
-        name=name,
-    )
 
 
 def random_ensemble(
@@ -181,10 +152,6 @@ def test_vertices_stand_apart_and_the_activated_ones_in_the_middle(n_shown: int)
         assert not others or max(own) < min(others)
         for (x, y), centre in ((place[v], CENTRES[k]) for k, row in enumerate(excerpt.rows) for v in row):
             assert ((x - centre[0]) / RING[0]) ** 2 + ((y - centre[1]) / RING[1]) ** 2 < 1 + 1e-9
-
-
-def count(picture: Image.Image, colour: tuple[int, int, int]) -> int:
-    return int((np.asarray(picture) == colour).all(axis=2).sum())
 
 
 def plates(picture: Image.Image) -> Image.Image:

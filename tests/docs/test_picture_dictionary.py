@@ -1,51 +1,25 @@
 """Pictures of dictionaries: tree, words, examples."""
 
-from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+from learned_planes import Given, count, plane
 from PIL import Image
 
+from pictures import draw_dictionary
+from pictures.word_colours import word_colours
+from pictures.word_examples import word_examples
 from shapeconcepts.descriptors import describe
-from shapeconcepts.descriptors.protocol import Description
 from shapeconcepts.motifs import SegmentDictionary
-from shapeconcepts.report import draw_dictionary
 from shapeconcepts.report.highlighting import draw_highlighted
-from shapeconcepts.report.lettering import font_of, shorten
-from shapeconcepts.report.word_colours import word_colours
-from shapeconcepts.report.word_examples import word_examples
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
-
-VOXEL = 0.005
-
-
-@dataclass(frozen=True)
-class Given:
-    """A descriptor whose histograms are given for each object by name."""
-
-    histograms: dict[str, np.ndarray]
-
-    def describe(self, segmented: SegmentedObject) -> Description:
-        return Description(self.histograms[segmented.name])
 
 
 def stripes(n_segments: int, name: str) -> SegmentedObject:
-    """A plane that faces the camera, cut into vertical stripes."""
-    x, y = (axis.ravel() for axis in np.meshgrid(np.arange(12) - 5.5, np.arange(12) - 5.5))
-    labels = (np.arange(144) % 12 * n_segments // 12).astype(np.int32)
-    return SegmentedObject(
-        points=np.stack([x * VOXEL, y * VOXEL, np.ones(144)], axis=1),
-        normals=np.tile([0.0, 0.0, -1.0], (144, 1)),
-        patch_labels=labels,
-        segment_labels=labels,
-        segment_edges=np.array([[s, s + 1] for s in range(n_segments - 1)], np.int32).reshape(-1, 2),
-        n_segments=n_segments,
-        point_to_voxel=np.arange(144, dtype=np.int32),
-        voxel_size=VOXEL,
-        viewpoint=np.zeros(3),
-        name=name,
-    )
+    """Segments in a row, each the neighbour of the next."""
+    return plane(n_segments, list(pairwise(range(n_segments))), name)
 
 
 def trained(n_objects: int, n_levels: int, seed: int = 0) -> tuple:
@@ -56,10 +30,6 @@ def trained(n_objects: int, n_levels: int, seed: int = 0) -> tuple:
         describe(one, descriptor).description.histograms(1 << np.arange(one.n_segments)) for one in objects
     ]
     return SegmentDictionary(n_levels).fit(np.concatenate(rows)), objects, descriptor
-
-
-def count(picture: Image.Image, colour: tuple[int, int, int]) -> int:
-    return int((np.asarray(picture) == colour).all(axis=2).sum())
 
 
 def shades(picture: Image.Image, colours: list[tuple[int, int, int]]) -> list[int]:
@@ -195,14 +165,3 @@ def test_bad_parameters_are_named(change: dict, message: str) -> None:
     dictionary, objects, descriptor = trained(6, 2)
     with pytest.raises(ValueError, match=message):
         draw_dictionary(dictionary, **{"objects": objects, "descriptor": descriptor, **change})
-
-
-def test_long_text_keeps_its_end_and_fits() -> None:
-    font = font_of(13)
-    for text in ("short", "x" * 300 + "end", "line\nbreak" * 40, "", "漢字" * 100, "long" * 10_000):
-        short = shorten(text, font, 120)
-        assert font.getlength(short) <= 120
-        assert "\n" not in short
-        assert text.replace("\n", " ").endswith(short.lstrip("…"))
-    assert shorten("short", font, 120) == "short"
-    assert shorten("x" * 300 + "end", font, 120).endswith("end")

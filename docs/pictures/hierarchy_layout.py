@@ -6,8 +6,8 @@ from math import cos, pi, sin
 
 import numpy as np
 
+from pictures.hierarchy_excerpt import HierarchyExcerpt, Pair
 from shapeconcepts.report.canvas import Point
-from shapeconcepts.report.hierarchy_excerpt import HierarchyExcerpt, Pair
 
 RING = (430.0, 54.0)
 _SPACING = 84.0
