@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Callable
+from copy import copy
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,12 @@ from scipy.sparse import issparse
 from shapeconcepts import DescribedObject, ModelError, Scan, ShapeConceptModel, load_model
 from shapeconcepts.descriptors import Description
 from shapeconcepts.model_file.container import read_container, write_container
+from shapeconcepts.parameters import StagesMixin
 
 # Computed when they are first asked for.
 LAZY = {
-    "_prototype_field",
+    "_field",
     "_training_stimuli",
-    "_stimuli_parameters",
     "prototypes_of",
     "prototype_entropies",
     "support",
@@ -27,11 +28,11 @@ LAZY = {
 
 # Columns, heat, stop and responses of the paper, with a bandwidth that suits the objects below.
 LIKE_THE_PAPER: dict[str, Any] = {
-    "columns": "motifs",
-    "bandwidth": 0.1,
-    "heat": "geodesic",
-    "stop": "annexations",
-    "response_distance": "mahalanobis",
+    "ensemble__columns": "motifs",
+    "ensemble__bandwidth": 0.1,
+    "filtration__heat": "geodesic",
+    "filtration__stop": "annexations",
+    "response__distance": "mahalanobis",
 }
 
 
@@ -55,7 +56,8 @@ def fitted_model(**parameters: Any) -> ShapeConceptModel:
     objects[2] = Scan(np.full((5, 3), np.nan), name="not\udcff a scan")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        model = ShapeConceptModel(**{"n_levels": 3, **parameters}).fit(objects)
+        model = ShapeConceptModel().set_params(**{"ensemble__dictionary__n_levels": 3, **parameters})
+        model.fit(objects)
     for number, concept in enumerate(model.concepts_):
         concept.name = f'näme "{number}"\n\udcff' if number == 1 else f"concept of kind {number}"
     return model
@@ -88,6 +90,15 @@ def differences(first: object, second: object, path: str = "model") -> list[str]
             return [f"{path}: {len(first)} and {len(second)} items"]
         pairs = enumerate(zip(first, second, strict=True))
         return [d for i, (a, b) in pairs for d in differences(a, b, f"{path}[{i}]")]
+    if isinstance(first, dict) and isinstance(second, dict):
+        if first.keys() != second.keys():
+            return [f"{path}: {first.keys()} and {second.keys()}"]
+        return [d for key in first for d in differences(first[key], second[key], f"{path}[{key!r}]")]
+    if isinstance(first, StagesMixin) and isinstance(second, StagesMixin):
+        # A stage that was left to its default is there after loading; its parameters are compared where it is fitted.
+        first, second = copy(first), copy(second)
+        for estimator in (first, second):
+            vars(estimator).update(dict.fromkeys(estimator._default_stages))
     if hasattr(first, "__dict__"):
         ours, theirs = vars(first).keys() - LAZY, vars(second).keys() - LAZY
         found = [f"{path}: {name}" for name in ours ^ theirs]

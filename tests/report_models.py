@@ -44,7 +44,7 @@ def model_of(
     stop: str = "refusal",
 ) -> ShapeConceptModel:
     """A model whose training scans have these stimuli."""
-    model = ShapeConceptModel(heat=heat, stop=stop)
+    model = ShapeConceptModel(filtration=Filtration(heat=heat, stop=stop))
     n = len(stimuli)
     model.stimuli_ = csr_matrix(stimuli)
     model.skipped_ = skipped or {}

@@ -6,12 +6,30 @@ import pickle
 import numpy as np
 import pytest
 from sklearn.base import clone
+from sklearn.exceptions import NotFittedError
 from sklearn.impute import SimpleImputer
 from sklearn.model_selection import cross_val_score
 from sklearn.pipeline import make_pipeline
 from sklearn.svm import SVC
 
-from shapeconcepts import Scan, ScanError, ScanWarning, ShapeConceptModel, datasets, describe
+from shapeconcepts import (
+    FPFH,
+    ConceptResponse,
+    Curvature,
+    Filtration,
+    Joint,
+    MotifHierarchyEnsemble,
+    Scan,
+    ScanError,
+    ScanWarning,
+    Segmenter,
+    ShapeConceptModel,
+    Surflet,
+    datasets,
+    describe,
+    get_descriptor,
+    load_model,
+)
 from shapeconcepts.model import PRESETS
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*different segment descriptions give")
@@ -61,7 +79,7 @@ def test_what_is_learned(model, scans):
     for number, concept in enumerate(model.concepts_):
         labels[concept.members] = number
         assert concept.medoid in concept.members
-        assert 0 < concept.birth <= model.filtration_.concept_time < concept.death
+        assert 0 < concept.birth <= model.filtration_.concept_time_ < concept.death
     np.testing.assert_array_equal(model.labels_, labels)
     assert model.stimuli_.shape == (len(scans), len(model.ensemble_.columns_))
     np.testing.assert_array_equal(model.filtration_.labels_, labels)
@@ -80,9 +98,9 @@ def test_no_concept_of_the_paper_holds_more_than_half(paper, scans):
     assert len(paper.concepts_) >= 2
     sizes = [concept.size for concept in paper.concepts_]
     assert sizes == sorted(sizes, reverse=True) and min(sizes) >= 3 and max(sizes) <= len(scans) / 2
-    assert paper.filtration_.concept_time == paper.filtration_.epsilon_max
+    assert paper.filtration_.concept_time_ == paper.filtration_.epsilon_max_
     for concept in paper.concepts_:
-        assert 0 < concept.birth <= paper.filtration_.epsilon_max < concept.death
+        assert 0 < concept.birth <= paper.filtration_.epsilon_max_ < concept.death
 
 
 def test_responses_are_equation_3_of_the_stimuli(model, new):
@@ -112,7 +130,7 @@ def test_any_order_of_the_scans(model, segmented, new):
     other = ShapeConceptModel().fit([segmented[i] for i in order])
     assert concepts_of(other) == concepts_of(model)
     np.testing.assert_array_equal(other.labels_ < 0, model.labels_[order] < 0)
-    assert other.filtration_.epsilon_max == model.filtration_.epsilon_max
+    assert other.filtration_.epsilon_max_ == model.filtration_.epsilon_max_
     np.testing.assert_allclose(
         np.sort(other.transform(new), axis=1), np.sort(model.transform(new), axis=1), rtol=1e-6
     )
@@ -188,9 +206,19 @@ def test_nothing_but_broken_scans(model):
 
 
 def test_no_scans(model):
-    for call in (ShapeConceptModel().fit, model.transform, model.predict, model.stimuli):
-        with pytest.raises(ValueError, match="X must hold at least one scan, got none"):
-            call([])
+    with pytest.raises(ValueError, match="X must hold at least one scan, got none"):
+        ShapeConceptModel().fit([])
+    n_concepts = len(model.concepts_)
+    assert model.transform([]).shape == (0, n_concepts) and model.predict([]).shape == (0,)
+    assert model.stimuli([]).shape == (0, model.stimuli_.shape[1])
+
+
+def test_a_single_scan_is_no_list(model, scans, segmented):
+    described = describe(segmented[0])
+    for single in (scans[0], segmented[0], described, scans[0].points, 5):
+        for call in (ShapeConceptModel().fit, model.fit_transform, model.transform, model.predict):
+            with pytest.raises(ValueError, match=r"got a single .*: wrap it in a list, \[X\]"):
+                call(single)
 
 
 @pytest.mark.parametrize("n", [1, 2])
@@ -238,48 +266,94 @@ def test_explain_by_motifs(paper, segmented, scans):
 
 
 def test_clone_parameters_and_pickle(model, new):
-    fresh = ShapeConceptModel(n_levels=3, bandwidth=0.2, descriptor="fpfh", n_jobs=2)
+    fresh = ShapeConceptModel(descriptor="fpfh", n_jobs=2)
+    fresh.set_params(ensemble__dictionary__n_levels=3, ensemble__width=0.2)
     copied = clone(fresh)
-    assert copied.get_params() == fresh.get_params() and copied.n_levels == 3
+    assert repr(copied.get_params()) == repr(fresh.get_params())
+    assert copied.get_params()["ensemble__dictionary__n_levels"] == 3
     assert not hasattr(clone(model), "labels_")
-    copied.set_params(min_concept_size=5, max_steps=10)
-    assert (copied.min_concept_size, copied.max_steps, fresh.max_steps) == (5, 10, 200)
-    with pytest.raises(ValueError, match="Invalid parameter"):
-        copied.set_params(sigma=1)
+    copied.set_params(filtration__min_concept_size=5, filtration__max_steps=10)
+    assert (copied.filtration.min_concept_size, copied.filtration.max_steps) == (5, 10)
+    assert fresh.get_params()["filtration__max_steps"] == 200
+    for wrong in ("sigma", "filtration__sigma", "ensemble__dictionary__sigma"):
+        with pytest.raises(ValueError, match="Invalid parameter"):
+            copied.set_params(**{wrong: 1})
     again = pickle.loads(pickle.dumps(model))
     assert again.transform(new).tobytes() == model.transform(new).tobytes()
 
 
-def test_parameters_reach_their_stage(segmented, model):
-    parameters = {
-        "n_levels": 2, "word_metric": "euclidean", "columns": "motifs", "n_neighbours": 7, "bandwidth": 0.3,
-        "leave_own_out": False, "min_support": 3, "heat": "geodesic", "stop": "annexations",
-        "response_distance": "mahalanobis", "min_concept_size": 2, "max_steps": 5, "descriptor": "fpfh",
-    }  # fmt: skip
-    two = ShapeConceptModel(**parameters).fit(segmented)
-    assert two.ensemble_.hierarchies_.n_levels == 2 and two.ensemble_.bandwidth == 0.3
-    assert two.filtration_.min_concept_size == 2 and two.filtration_.n_steps <= 5
-    parts = {
-        "metric": two.word_metric,
-        **{name: value for name, value in parameters.items() if name != "word_metric"},
-        "distance": two.response_distance,
+def test_parameters_are_stored_as_given():
+    given = {
+        "segmenter": Segmenter(max_segments=4),
+        "descriptor": FPFH(),
+        "ensemble": MotifHierarchyEnsemble(),
+        "filtration": Filtration(5),
+        "response": ConceptResponse("mahalanobis"),
+        "n_jobs": 2,
     }
-    for part in (two.ensemble_.dictionary_, two.ensemble_, two.filtration_, two.response_):
-        for name, value in part.get_params(deep=False).items():
-            assert name in ("dictionary", "n_jobs") or value == parts[name]
-    coarse = ShapeConceptModel(voxel_size=0.012, max_segments=2)
+    model = ShapeConceptModel(**given)
+    for name, value in given.items():
+        assert getattr(model, name) is value and model.get_params(deep=False)[name] is value
+    assert set(ShapeConceptModel().get_params(deep=False).values()) == {None, "surflet+fpfh+curvature"}
+
+
+def test_fitting_leaves_the_stages_that_were_given(segmented):
+    filtration, ensemble = Filtration(min_concept_size=4), MotifHierarchyEnsemble()
+    model = ShapeConceptModel(filtration=filtration, ensemble=ensemble).fit(segmented)
+    assert model.filtration is filtration and not hasattr(filtration, "labels_")
+    assert model.ensemble is ensemble and not hasattr(ensemble, "hierarchies_")
+    assert model.filtration_.min_concept_size == 4
+    # What is set later is for the next fit.
+    labels, rows = model.labels_.copy(), model.transform(segmented[:2])
+    model.set_params(filtration__min_concept_size=20, descriptor="fpfh", segmenter__max_segments=1)
+    np.testing.assert_array_equal(model.labels_, labels)
+    assert model.transform(segmented[:2]).tobytes() == rows.tobytes()
+
+
+def test_parameters_reach_their_stage(segmented):
+    parameters = {
+        "ensemble__dictionary__n_levels": 2, "ensemble__dictionary__metric": "euclidean",
+        "ensemble__columns": "motifs", "ensemble__n_neighbours": 7, "ensemble__bandwidth": 0.3,
+        "ensemble__leave_own_out": False, "ensemble__min_support": 3, "filtration__heat": "geodesic",
+        "filtration__stop": "annexations", "response__distance": "mahalanobis",
+        "filtration__min_concept_size": 2, "filtration__max_steps": 5, "descriptor": "fpfh",
+    }  # fmt: skip
+    two = ShapeConceptModel().set_params(**parameters).fit(segmented)
+    assert two.ensemble_.hierarchies_.n_levels == 2 and two.ensemble_.dictionary_.metric == "euclidean"
+    assert len(two.filtration_.annexations()[0]) <= 5
+    found = two.get_params()
+    for name, value in parameters.items():
+        stage, _, rest = name.partition("__")
+        assert found[name] == value
+        assert not rest or getattr(two, f"{stage}_").get_params()[rest] == value
+    coarse = ShapeConceptModel(segmenter=Segmenter(voxel_size=0.012, max_segments=2))
     scan = datasets.simulate_scan("box", 0)
     assert coarse.segment(scan).voxel_size == 0.012 and coarse.segment(scan).n_segments <= 2
 
 
+def test_the_default_descriptor_can_be_built_from_its_parts(segmented, model, tmp_path):
+    joint = Joint((Surflet(), FPFH(), Curvature()))
+    other = ShapeConceptModel(descriptor=joint).fit(segmented)
+    assert_same_rows(other.stimuli_, model.stimuli_)
+    other.save(tmp_path / "m.safetensors")
+    assert load_model(tmp_path / "m.safetensors").descriptor == joint
+
+
 def test_preset_of_the_paper(segmented):
     paper = ShapeConceptModel.preset("paper")
-    assert (paper.columns, paper.heat, paper.stop) == ("motifs", "geodesic", "annexations")
-    assert paper.response_distance == "mahalanobis"
-    assert (paper.n_levels, paper.descriptor, paper.bandwidth) == (4, "fpfh", 0.025)
-    assert (paper.word_metric, paper.leave_own_out, paper.min_support) == ("euclidean", False, 1)
-    assert ShapeConceptModel.preset("paper", n_levels=2).n_levels == 2
+    found = paper.get_params()
+    assert found["descriptor"] == "fpfh" and found["response__distance"] == "mahalanobis"
+    assert (found["filtration__heat"], found["filtration__stop"]) == ("geodesic", "annexations")
+    assert (found["ensemble__columns"], found["ensemble__bandwidth"]) == ("motifs", 0.025)
+    assert (found["ensemble__dictionary__n_levels"], found["ensemble__dictionary__metric"]) == (
+        4,
+        "euclidean",
+    )
+    assert (found["ensemble__leave_own_out"], found["ensemble__min_support"]) == (False, 1)
+    changed = ShapeConceptModel.preset("paper", ensemble__dictionary__n_levels=2)
+    assert changed.ensemble.dictionary.n_levels == 2
     assert ShapeConceptModel.preset("default").get_params() == ShapeConceptModel().get_params()
+    assert MotifHierarchyEnsemble.preset("default").get_params() == MotifHierarchyEnsemble().get_params()
     paper.fit(segmented)
     # Nothing is left out: every scan activates all its own vertices, and each of them is a column.
     assert_same_rows(paper.stimuli_, paper.stimuli(segmented))
@@ -290,51 +364,113 @@ def test_preset_of_the_paper(segmented):
 
 
 @pytest.mark.parametrize(
-    ("parameters", "message"),
+    ("parameter", "value"),
     [
-        ({"descriptor": "shape"}, "shape"),
-        ({"n_levels": 0}, "n_levels must be"),
-        ({"word_metric": "cosine"}, "metric must be"),
-        ({"bandwidth": 0}, "bandwidth must be"),
-        ({"min_support": 0}, "min_support must be"),
-        ({"min_concept_size": 1}, "min_concept_size must be"),
-        ({"max_steps": 0}, "max_steps must be"),
-        ({"columns": "words"}, "columns must be one of 'prototypes', 'motifs', got 'words'"),
-        ({"n_neighbours": 0}, "n_neighbours must be"),
-        ({"heat": "mean"}, "heat must be one of"),
-        ({"stop": "late"}, "stop must be one of"),
-        ({"response_distance": "cosine"}, "distance must be one of"),
-        ({"voxel_size": -1}, "voxel_size must be"),
-        ({"seed_size": 0}, "seed_size must be"),
-        ({"max_segments": 0}, "max_segments must be"),
+        ("descriptor", "shape"),
+        ("ensemble__dictionary__n_levels", 0),
+        ("ensemble__dictionary__n_levels", True),
+        ("ensemble__dictionary__metric", "cosine"),
+        ("ensemble__bandwidth", 0),
+        ("ensemble__width", float("inf")),
+        ("ensemble__min_support", 0),
+        ("ensemble__columns", "words"),
+        ("ensemble__n_neighbours", 0),
+        ("ensemble__leave_own_out", 2),
+        ("filtration__min_concept_size", 1),
+        ("filtration__min_concept_size", 3.0),
+        ("filtration__max_steps", 0),
+        ("filtration__heat", "mean"),
+        ("filtration__stop", "late"),
+        ("filtration__least_mixing", 1.1),
+        ("filtration__neighbours_per_root", float("nan")),
+        ("response__distance", "cosine"),
+        ("segmenter__voxel_size", -1),
+        ("segmenter__voxel_size", float("nan")),
+        ("segmenter__seed_size", 0),
+        ("segmenter__max_segments", 0),
+        ("segmenter", "fine"),
+        ("ensemble", 5),
+        ("n_jobs", 1.5),
     ],
 )
-def test_parameters_out_of_range(parameters, message, scans):
-    with pytest.raises(ValueError, match=message):
-        ShapeConceptModel(**parameters).fit(scans[:4])
-
-
-@pytest.mark.parametrize(
-    "parameters", [{"heat": "mean"}, {"columns": "words"}, {"response_distance": "cosine"}]
-)
-def test_wrong_parameters_are_refused_before_scans_are_read(parameters):
+def test_parameters_out_of_range_are_refused_before_scans_are_read(parameter, value):
     def scans():
         raise AssertionError("scans are read")
         yield
 
-    with pytest.raises(ValueError, match="must be one of"):
-        ShapeConceptModel(**parameters).fit(scans())
+    name = parameter.rpartition("__")[2]
+    with pytest.raises(
+        ValueError, match=f"The '{name}' parameter of .* must be .* Got '?{value!r}'? instead"
+    ):
+        ShapeConceptModel().set_params(**{parameter: value}).fit(scans())
+
+
+def test_an_unfitted_model(segmented, tmp_path):
+    model = ShapeConceptModel()
+    for call in (model.transform, model.predict, model.stimuli):
+        with pytest.raises(NotFittedError):
+            call(segmented[:2])
+    for call in (lambda: model.explain(segmented[0]), model.get_feature_names_out):
+        with pytest.raises(NotFittedError):
+            call()
+    with pytest.raises(NotFittedError):
+        model.save(tmp_path / "m.safetensors")
+
+
+def test_fit_transform_describes_each_scan_once(segmented, scans, model):
+    described = []
+
+    class Counting:
+        def describe(self, one):
+            described.append(one.name)
+            return get_descriptor("surflet+fpfh+curvature").describe(one)
+
+    counting = ShapeConceptModel(descriptor=Counting())
+    rows = counting.fit_transform(scans)
+    assert sorted(described) == sorted(scan.name for scan in scans)
+    assert_same_rows(counting.stimuli_, model.stimuli_)
+    assert rows.tobytes() == model.response_.transform(model.stimuli_).tobytes()
+    # Own prototypes would count in rows of `transform`.
+    assert not np.array_equal(rows, model.transform(segmented))
+    np.testing.assert_array_equal(ShapeConceptModel().fit_predict(segmented), model.labels_)
+
+
+def test_what_is_learned_is_the_models_own(model, segmented):
+    assert model.n_features_in_ == 3
+    own = ShapeConceptModel().fit(segmented)
+    own.labels_[:] = -1
+    np.testing.assert_array_equal(own.filtration_.labels_, model.labels_)
+
+
+def test_column_names_are_unique(model):
+    named = copy.deepcopy(model)
+    for concept in named.concepts_:
+        concept.name = "mug"
+    assert len(set(named.get_feature_names_out())) == len(named.concepts_)
+    named.concepts_[0].name, named.concepts_[1].name = "concept1", ""
+    assert len(set(named.get_feature_names_out())) == len(named.concepts_)
+
+
+def test_rows_as_data_frames(model, new):
+    pandas = pytest.importorskip("pandas")
+    framed = copy.deepcopy(model).set_output(transform="pandas")
+    frame = framed.transform(new)
+    assert isinstance(frame, pandas.DataFrame)
+    assert frame.columns.tolist() == model.get_feature_names_out().tolist()
+    np.testing.assert_array_equal(frame.to_numpy(), model.transform(new))
 
 
 def test_in_a_pipeline(segmented, scans):
     labels = np.array([scan.label for scan in scans])
-    pipeline = make_pipeline(ShapeConceptModel(n_levels=4), SVC()).fit(segmented, labels)
+    pipeline = make_pipeline(ShapeConceptModel(), SVC()).fit(segmented, labels)
     responses = pipeline[0].transform(segmented)
     assert not np.isnan(responses).any()
-    expected = SVC().fit(responses, labels).predict(responses)
+    # The classifier learns from rows in which no scan's own motifs count.
+    rows = pipeline[0].response_.transform(pipeline[0].stimuli_)
+    expected = SVC().fit(rows, labels).predict(responses)
     np.testing.assert_array_equal(pipeline.predict(segmented), expected)
     # A scan without any stimulus gives a row of NaN, which an imputer takes.
-    pipeline = make_pipeline(ShapeConceptModel(n_levels=4), SimpleImputer(), SVC())
+    pipeline = make_pipeline(ShapeConceptModel(), SimpleImputer(), SVC())
     scores = cross_val_score(pipeline, segmented, labels, cv=2, error_score="raise")
     assert scores.mean() > 2 / 7
     with pytest.warns(ScanWarning):

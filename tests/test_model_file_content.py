@@ -79,8 +79,8 @@ def test_extreme_values(sound, path, name):
 def nothing_is_in(name, sound):
     description = load_description(sound)
     return (
-        name == "response.whitening" and description["response_parameters"]["distance"] != "mahalanobis"
-    ) or (name == "filtration.refused_edges" and description["filtration_parameters"]["stop"] != "refusal")
+        name == "response.whitening" and description["stages"]["response"]["distance"] != "mahalanobis"
+    ) or (name == "filtration.refused_edges" and description["stages"]["filtration"]["stop"] != "refusal")
 
 
 def swap_first_columns_of_stimuli(tensors, description):
@@ -198,7 +198,7 @@ def test_content_that_does_not_fit(sound, path, change, message):
         ),
         (put("response.whitening", (0, 0), 1e31), "response.whitening must hold numbers"),
         # As many prototypes as there are columns would be one for each.
-        (lambda t, d: d["ensemble_parameters"].update(columns="prototypes"), "stimuli.sources must name the"),
+        (lambda t, d: d["stages"]["ensemble"].update(columns="prototypes"), "stimuli.sources must name the"),
     ],
 )
 def test_content_that_does_not_fit_columns_of_motifs(like_the_paper, path, change, message):
@@ -236,29 +236,17 @@ def answers(path: Path) -> list:
 
 
 @pytest.mark.parametrize(
-    ("name", "value"),
-    [("columns", "motifs"), ("columns", "prototypes"), ("response_distance", "mahalanobis"),
-     ("response_distance", "divergence"), ("heat", "geodesic"), ("heat", "separation"), ("stop", "refusal")],
-)  # fmt: skip
-def test_parameters_of_the_model_are_for_its_next_fit(sound, path, name, value):
-    """They may be set after learning, so that they need not be those of its parts, which give the answers."""
-    forge(sound, path, lambda _, description: description["parameters"].update({name: value}))
-    assert differences(answers(path), answers(sound)) == []
-    assert getattr(load_model(path), name) == value
-
-
-@pytest.mark.parametrize(
-    ("group", "name", "values"),
+    ("stage", "name", "values"),
     [
-        ("ensemble_parameters", "columns", ("motifs", "prototypes")),
-        ("filtration_parameters", "heat", ("separation", "geodesic")),
-        ("filtration_parameters", "stop", ("refusal", "annexations")),
-        ("response_parameters", "distance", ("divergence", "mahalanobis")),
+        ("ensemble", "columns", ("motifs", "prototypes")),
+        ("filtration", "heat", ("separation", "geodesic")),
+        ("filtration", "stop", ("refusal", "annexations")),
+        ("response", "distance", ("divergence", "mahalanobis")),
     ],
 )
-def test_forged_parameters_of_parts_are_refused_or_harmless(sound, path, group, name, values):
+def test_forged_parameters_are_refused_or_harmless(sound, path, stage, name, values):
     for value in values:
-        forge(sound, path, lambda _, d, value=value: d[group].update({name: value}))
+        forge(sound, path, lambda _, d, value=value: d["stages"][stage].update({name: value}))
         try:
             found = answers(path)
         except ModelError as error:
@@ -289,14 +277,15 @@ NOT_JSON_OF_A_MODEL = [
     *[("concept_time", value) for value in (None, -0.1, 1.1, "x", True, [], 10**400)],
     *[("epsilon_max", value) for value in (-0.1, 1.1, "x", True, [], 10**400)],
     *[("largest_divergence", value) for value in (None, 2, "0")],
-    *[("parameters", value) for value in (None, [], {}, {"descriptor": "fpfh"})],
+    *[("stage", value) for value in (None, [], {}, {"descriptor": "fpfh"})],
     *[("more", 1)],
 ]  # fmt: skip
 
 
 @pytest.mark.parametrize(("field", "value"), NOT_JSON_OF_A_MODEL)
 def test_wrong_types_in_the_description(sound, path, field, value):
-    forge(sound, path, lambda _, description: description.update({field: value}))
+    key = "stages" if field == "stage" else field
+    forge(sound, path, lambda _, description: description.update({key: value}))
     assert field in refusal(path)
 
 
@@ -304,29 +293,50 @@ def test_a_missing_field(sound, path):
     assert "misses the field skipped" in refusal(forge(sound, path, lambda _, d: d.pop("skipped")))
 
 
-@pytest.mark.parametrize("value", [None, "x", [], {}, -1, 0, 1e300, 2**31, 10**400, True, [1]])
+def stages_of(path: Path) -> dict[str, dict]:
+    """All stages in a file by their place, with their parameters."""
+    stages = load_description(path)["stages"]
+    return {**stages, "dictionary": stages["ensemble"]["dictionary"]}
+
+
+def put_parameter(stage: str, name: str, value: object):
+    def change(_, description):
+        stages = description["stages"]
+        place = stages["ensemble"]["dictionary"] if stage == "dictionary" else stages[stage]
+        place[name] = value
+
+    return change
+
+
+@pytest.mark.parametrize("value", [None, "x", [], {}, -1, 1e300, 2**31, 10**400, True, [1]])
 def test_wrong_parameters(sound, path, value):
-    for group in [name for name in load_description(sound) if name.endswith("parameters")]:
-        for name in load_description(sound)[group]:
-            if (name == "leave_own_out" and value in (0, True)) or (name == "n_neighbours" and value is None):
+    for stage, parameters in stages_of(sound).items():
+        if not isinstance(parameters, dict):
+            continue
+        for name in parameters:
+            if (name == "leave_own_out" and value is True) or (name == "n_neighbours" and value is None):
                 continue
-            forge(sound, path, lambda _, d, group=group, name=name: d[group].update({name: value}))
-            if value is True:
-                assert f"parameter {name} must be" in refusal(path)
-            assert name in refusal(path)
+            message = refusal(forge(sound, path, put_parameter(stage, name, value)))
+            assert name in message or (name == "type" and stage in message)
 
 
-@pytest.mark.parametrize("part", ["dictionary", "ensemble", "filtration", "response"])
-def test_parts_with_other_parameters(sound, path, part):
-    group = f"{part}_parameters"
-    for value in (None, 5, "x", True, [], [None], {}, {**load_description(sound)[group], "more": 1}):
-        forge(sound, path, lambda _, description, value=value: description.update({group: value}))
-        assert f"the {part}'s parameters" in refusal(path)
+@pytest.mark.parametrize("stage", ["segmenter", "ensemble", "dictionary", "filtration", "response"])
+def test_stages_of_other_kinds(sound, path, stage):
+    own = stages_of(sound)[stage]
+    another = stages_of(sound)["response" if stage == "filtration" else "filtration"]
+    for value in (5, "x", True, [], [None], {}, {**own, "more": 1}, {**own, "type": "Own"}, another):
+        where, name = ("ensemble", "dictionary") if stage == "dictionary" else (None, stage)
+
+        def change(_, description, where=where, name=name, value=value):
+            stages = description["stages"]
+            (stages[where] if where else stages)[name] = value
+
+        assert stage in refusal(forge(sound, path, change))
 
 
 @pytest.mark.parametrize("value", [None, 1, 7, 2**31 - 1])
 def test_any_number_of_neighbours_is_harmless(sound, path, value):
-    forge(sound, path, lambda _, d: d["ensemble_parameters"].update(n_neighbours=value))
+    forge(sound, path, put_parameter("ensemble", "n_neighbours", value))
     loaded = load_model(path)
     assert loaded.transform(described_objects(2, seed=3)).shape == (8, len(loaded.concepts_))
     loaded.save(path)
@@ -337,23 +347,30 @@ def test_any_number_of_neighbours_is_harmless(sound, path, value):
     "value",
     [
         "own",
+        None,
+        5,
+        [],
         {"type": "own"},
         {"type": []},
-        {"type": "fpfh"},
-        {"type": "fpfh", "radius": "0.03"},
-        {"type": "fpfh", "radius": -0.03},
-        {"type": "fpfh", "radius": 0.03, "more": 1},
-        {"type": "curvature"},
-        {"type": "curvature", "radius": 0},
-        {"type": "curvature", "radius": True},
-        {"type": "curvature", "scale": "metric"},
-        {"type": "surflet", "scale": "x"},
-        {"type": "surflet", "scale": []},
+        {"type": "FPFH"},
+        {"type": "FPFH", "radius": "0.03"},
+        {"type": "FPFH", "radius": -0.03},
+        {"type": "FPFH", "radius": 0.03, "more": 1},
+        {"type": "Curvature"},
+        {"type": "Curvature", "radius": 0},
+        {"type": "Curvature", "radius": True},
+        {"type": "Curvature", "scale": "metric"},
+        {"type": "Surflet", "scale": "x"},
+        {"type": "Surflet", "scale": []},
+        {"type": "Joint", "descriptors": [], "normal_radius": 0.02},
+        {"type": "Joint", "descriptors": [5], "normal_radius": 0.02},
+        {"type": "Joint", "descriptors": [{"type": "FPFH", "radius": -1}], "normal_radius": 0.02},
+        {"type": "Filtration"},
         {"radius": 0.03},
     ],
 )
 def test_wrong_descriptors(sound, path, value):
-    forge(sound, path, lambda _, description: description["parameters"].update(descriptor=value))
+    forge(sound, path, lambda _, description: description["stages"].update(descriptor=value))
     refusal(path)
 
 

@@ -11,7 +11,7 @@ import pytest
 from safetensors.numpy import save_file
 
 from model_file_examples import fitted_model, forge, refusal
-from shapeconcepts.model_file.layout import FORMAT
+from shapeconcepts.model_file.layout import FORMAT, OLDEST_FORMAT
 
 
 @pytest.fixture(scope="module")
@@ -214,13 +214,13 @@ def test_an_older_file(sound, path):
     """Such a file has other tensors and fields; what it has does not matter."""
 
     def older(tensors, description):
-        description.update(format=FORMAT - 1, written_by="shapeconcepts 0.1.0")
+        description.update(format=OLDEST_FORMAT - 1, written_by="shapeconcepts 0.1.0")
         tensors["stimuli.motifs"] = tensors.pop("stimuli.sources")
         del description["concept_time"]
 
     message = refusal(forge(sound, path, older))
-    assert f"has format {FORMAT - 1}, written by shapeconcepts 0.1.0, an older version" in message
-    assert f"reads format {FORMAT}; learn the model again" in message
+    assert f"has format {OLDEST_FORMAT - 1}, written by shapeconcepts 0.1.0, an older version" in message
+    assert f"reads formats {OLDEST_FORMAT} to {FORMAT}; learn the model again" in message
 
 
 @pytest.mark.parametrize("version", [0, -1, True, "1", None, 1.0, 10**30])

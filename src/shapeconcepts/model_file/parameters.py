@@ -9,6 +9,7 @@ from sklearn.base import BaseEstimator
 
 from shapeconcepts.concepts import ConceptResponse, Filtration
 from shapeconcepts.descriptors import FPFH, Curvature, Joint, Surflet
+from shapeconcepts.descriptors.registry import DESCRIPTORS
 from shapeconcepts.model_file.error import ModelError, require
 from shapeconcepts.model_file.layout import check_names
 from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary
@@ -80,12 +81,27 @@ def decode_descriptor(encoded: object) -> Any:
     ModelError
         As `decode_stage`.
     """
+    if isinstance(encoded, str):
+        require(
+            encoded in DESCRIPTORS, f"descriptor must be one of {', '.join(DESCRIPTORS)}, got {encoded!r:.60}"
+        )
+        return encoded
     descriptor = _decoded(encoded, "descriptor")
+    _require_descriptor(descriptor)
+    return _checked(descriptor)
+
+
+def _require_descriptor(value: object) -> None:
     require(
-        isinstance(descriptor, str | FPFH | Surflet | Curvature | Joint),
-        f"descriptor must be a name or a descriptor, got {encoded!r:.60}",
+        isinstance(value, FPFH | Surflet | Curvature | Joint),
+        f"descriptor must be a name or of type FPFH, Surflet, Curvature or Joint, got {value!r:.60}",
     )
-    return descriptor if isinstance(descriptor, str) else _checked(descriptor)
+    if isinstance(value, Joint):
+        require(
+            isinstance(value.descriptors, tuple) and len(value.descriptors) > 0, "descriptor Joint is empty"
+        )
+        for part in value.descriptors:
+            _require_descriptor(part)
 
 
 def _decoded(encoded: Any, title: str) -> Any:

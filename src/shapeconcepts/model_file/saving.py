@@ -15,6 +15,7 @@ from shapeconcepts.model_file.layout import FORMAT, Tensors, checked_tensors
 from shapeconcepts.model_file.loading import restore_state
 from shapeconcepts.model_file.parameters import encode_parameters
 from shapeconcepts.model_file.state import ModelState
+from shapeconcepts.motifs import MotifHierarchyEnsemble
 from shapeconcepts.version import __version__
 
 
@@ -49,7 +50,7 @@ def _description(state: ModelState) -> dict[str, Any]:
             "segmenter": encode_parameters(state.segmenter),
             "descriptor": encode_parameters(state.descriptor),
             "ensemble": {
-                **encode_parameters(state.ensemble),
+                **encode_parameters(MotifHierarchyEnsemble(**state.ensemble._learned_with)),
                 "dictionary": encode_parameters(state.ensemble.dictionary_),
             },
             "filtration": encode_parameters(state.filtration),

@@ -299,7 +299,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         self.dictionary_ = dictionary
         self.hierarchies_ = hierarchies
         self.n_features_in_ = hierarchies.prototypes.shape[1]
-        self._learned_with = self.get_params(deep=False)
+        self._learned_with = {k: v for k, v in self.get_params(deep=False).items() if k != "dictionary"}
         self._field = self._training_stimuli = None
         return self
 
