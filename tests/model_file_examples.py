@@ -95,7 +95,7 @@ def differences(first: object, second: object, path: str = "model") -> list[str]
             return [f"{path}: {first.keys()} and {second.keys()}"]
         return [d for key in first for d in differences(first[key], second[key], f"{path}[{key!r}]")]
     if isinstance(first, StagesMixin) and isinstance(second, StagesMixin):
-        # A stage that was left to its default is there after loading; its parameters are compared where it is fitted.
+        # A stage left to its default is there after loading; its parameters are compared where it is fitted.
         first, second = copy(first), copy(second)
         for estimator in (first, second):
             vars(estimator).update(dict.fromkeys(estimator._default_stages))

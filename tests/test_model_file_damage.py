@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from safetensors.numpy import save_file
 
-from model_file_examples import fitted_model, forge, refusal
+from model_file_examples import described_objects, differences, fitted_model, forge, refusal
+from shapeconcepts import load_model
 from shapeconcepts.model_file.layout import FORMAT, OLDEST_FORMAT
 
 
@@ -242,3 +243,30 @@ def test_flipped_bits(sound, path):
         flipped[position] ^= 1 << source.randrange(8)
         path.write_bytes(flipped)
         refusal(path)
+
+
+@pytest.mark.parametrize("name", ["default", "paper"])
+def test_files_of_format_5_still_answer_as_they_did(name, path):
+    """Written by the version before stages, with the answers that it gave."""
+    files = Path(__file__).parent / "files"
+    loaded = load_model(files / f"format_5_{name}.safetensors")
+    with np.load(files / "format_5_answers.npz") as expected:
+        new = described_objects(2, seed=2)
+        np.testing.assert_allclose(loaded.transform(new), expected[f"{name}_transform"], rtol=1e-9)
+        np.testing.assert_array_equal(loaded.predict(new), expected[f"{name}_predict"])
+        np.testing.assert_array_equal(loaded.labels_, expected[f"{name}_labels"])
+    assert loaded.concepts_[0].name == "rows" and loaded.ensemble_.dictionary_.n_levels == 3
+    if name == "paper":
+        found = (loaded.segmenter_.voxel_size, loaded.segmenter_.max_segments, loaded.descriptor_.radius)
+        assert found == (0.004, 9, 0.04)
+        assert (loaded.filtration_.stop, loaded.response_.distance) == ("annexations", "mahalanobis")
+    loaded.save(path)
+    assert differences(loaded, load_model(path)) == []
+
+
+@pytest.mark.parametrize("field", ["parameters", "ensemble_parameters", "response_parameters"])
+@pytest.mark.parametrize("value", [None, [], {"columns": 5}, {"more": 1}])
+def test_damaged_files_of_format_5(field, value, path):
+    source = Path(__file__).parent / "files" / "format_5_default.safetensors"
+    forge(source, path, lambda _, description: description.update({field: value}))
+    refusal(path)
