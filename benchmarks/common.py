@@ -10,7 +10,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts import MotifHierarchyEnsemble, Scan, ScanError, datasets, read_scans
+from shapeconcepts import (
+    MotifHierarchyEnsemble,
+    Scan,
+    ScanError,
+    SegmentDictionary,
+    datasets,
+    read_scans,
+)
+from shapeconcepts.descriptors.registry import DEFAULT
 
 # Folders of restaurant_views that hold another shape than their name says.
 RESTAURANT_SHAPES = {"cocacola": "can", "milk": "carton", "yogurt": "carton", "fork": "cutlery"}
@@ -49,14 +57,19 @@ def labelled_scans(parser: ArgumentParser, name: str) -> list[Scan]:
     return [replace(scan, label=RESTAURANT_SHAPES.get(scan.label, scan.label)) for scan in scans]
 
 
-def ensembles() -> dict[str, MotifHierarchyEnsemble]:
-    """The default, motifs as columns under each descriptor, and the paper's, by name."""
+def ensembles() -> dict[str, tuple[str, MotifHierarchyEnsemble]]:
+    """The default, motifs as columns under each descriptor, and the paper's, by name, with descriptors."""
     return {
-        "default": MotifHierarchyEnsemble(),
-        "motifs as columns, surflet": MotifHierarchyEnsemble(descriptor="surflet", columns="motifs"),
-        "motifs as columns, fpfh": MotifHierarchyEnsemble(descriptor="fpfh", columns="motifs"),
-        "preset paper": MotifHierarchyEnsemble.preset("paper"),
+        "default": (DEFAULT, MotifHierarchyEnsemble()),
+        "motifs as columns, surflet": ("surflet", motifs_as_columns()),
+        "motifs as columns, fpfh": ("fpfh", motifs_as_columns()),
+        "preset paper": ("fpfh", MotifHierarchyEnsemble.preset("paper")),
     }
+
+
+def motifs_as_columns() -> MotifHierarchyEnsemble:
+    """Eight levels of words, as it takes many to tell objects apart by words alone."""
+    return MotifHierarchyEnsemble(SegmentDictionary(n_levels=8), columns="motifs")
 
 
 def percent(flags: Sequence[bool] | NDArray[np.bool_]) -> str:

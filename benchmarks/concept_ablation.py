@@ -29,19 +29,26 @@ N_SUBSETS = 10
 DESCRIPTORS = ("surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature")
 
 Model = Callable[[], ShapeConceptModel]
+changed = partial(ShapeConceptModel.preset, "default")
 VARIANTS: dict[str, Model] = {
     "default": ShapeConceptModel,
-    **{f"descriptor {name}": partial(ShapeConceptModel, descriptor=name) for name in DESCRIPTORS[1:]},
+    **{f"descriptor {name}": partial(changed, descriptor=name) for name in DESCRIPTORS[1:]},
     "motifs as columns": partial(
-        ShapeConceptModel, descriptor="surflet", columns="motifs", n_levels=8, bandwidth=0.1
+        changed,
+        descriptor="surflet",
+        ensemble__columns="motifs",
+        ensemble__dictionary__n_levels=8,
+        ensemble__bandwidth=0.1,
     ),
-    **{f"{n} neighbours": partial(ShapeConceptModel, n_neighbours=n) for n in (10, 20, 40, 80)},
-    **{f"{n} level{'s' * (n > 1)}": partial(ShapeConceptModel, n_levels=n) for n in (1, 4, 8)},
-    "own prototypes count": partial(ShapeConceptModel, leave_own_out=False),
-    "heat geodesic": partial(ShapeConceptModel, heat="geodesic"),
-    "stop annexations": partial(ShapeConceptModel, stop="annexations"),
-    "heat geodesic, stop annexations": partial(ShapeConceptModel, heat="geodesic", stop="annexations"),
-    "response mahalanobis": partial(ShapeConceptModel, response_distance="mahalanobis"),
+    **{f"{n} neighbours": partial(changed, ensemble__n_neighbours=n) for n in (10, 20, 40, 80)},
+    **{f"{n} level{'s' * (n > 1)}": partial(changed, ensemble__dictionary__n_levels=n) for n in (1, 4, 8)},
+    "own prototypes count": partial(changed, ensemble__leave_own_out=False),
+    "heat geodesic": partial(changed, filtration__heat="geodesic"),
+    "stop annexations": partial(changed, filtration__stop="annexations"),
+    "heat geodesic, stop annexations": partial(
+        changed, filtration__heat="geodesic", filtration__stop="annexations"
+    ),
+    "response mahalanobis": partial(changed, response__distance="mahalanobis"),
     "preset paper": partial(ShapeConceptModel.preset, "paper"),
 }
 

@@ -13,7 +13,6 @@ import os
 os.environ["OMP_NUM_THREADS"] = "1"
 
 import warnings
-from unittest.mock import patch
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +21,7 @@ from scipy.sparse import csr_matrix
 from common import command, print_table
 from concept_scores import SETS, grouping_stability, random_subsets, scans_by_set
 from shapeconcepts import DescribedObject, Filtration, ShapeConceptModel, describe, segment
-from shapeconcepts.concepts import mixing
 from shapeconcepts.evaluation import grouping_scores, stratified_splits
-from shapeconcepts.topology import neighbourhood
 
 SEEDS = range(100, 108)
 N_SUBSETS = 10
@@ -38,11 +35,13 @@ def stimuli_of(described: list[DescribedObject], chosen: NDArray[np.int64]) -> R
     return chosen, ShapeConceptModel().fit([described[i] for i in chosen]).stimuli_
 
 
-def cell(on_splits: list[Rows], on_subsets: list[Rows], labels: NDArray[np.str_]) -> NDArray[np.float64]:
+def cell(
+    filtration: Filtration, on_splits: list[Rows], on_subsets: list[Rows], labels: NDArray[np.str_]
+) -> NDArray[np.float64]:
     """Number of concepts, explained, mutual information, stability."""
-    scores = [grouping_scores(Filtration().fit(rows).labels_, labels[chosen]) for chosen, rows in on_splits]
+    scores = [grouping_scores(filtration.fit_predict(rows), labels[chosen]) for chosen, rows in on_splits]
     rows_of_scores = [(one.n_groups, one.explained, one.adjusted_mutual_information) for one in scores]
-    groupings = [(chosen, Filtration().fit(rows).labels_) for chosen, rows in on_subsets]
+    groupings = [(chosen, filtration.fit_predict(rows)) for chosen, rows in on_subsets]
     return np.append(np.median(rows_of_scores, axis=0), grouping_stability(groupings, len(labels)))
 
 
@@ -61,11 +60,9 @@ def main() -> None:
         of_set = cells.setdefault(data.split()[0], {})
         for per_root in PER_ROOT:
             for least in LEAST:
-                with (
-                    patch.object(neighbourhood, "NEIGHBOURS_PER_ROOT", per_root),
-                    patch.object(mixing, "LEAST_MIXING", least),
-                ):
-                    of_set.setdefault((per_root, least), []).append(cell(on_splits, on_subsets, labels))
+                filtration = Filtration(neighbours_per_root=per_root, least_mixing=least)
+                found = cell(filtration, on_splits, on_subsets, labels)
+                of_set.setdefault((per_root, least), []).append(found)
     for data, of_set in cells.items():
         table = []
         for per_root in PER_ROOT:

@@ -58,7 +58,7 @@ def main() -> None:
     parser.add_argument("--confusions", action="store_true", help="list what was taken for what")
     options = parser.parse_args()
     candidates = (
-        *((f"stimuli, {name}", one.descriptor, stimuli(one)) for name, one in ensembles().items()),
+        *((f"stimuli, {name}", descriptor, stimuli(one)) for name, (descriptor, one) in ensembles().items()),
         ("whole object, surflet+fpfh+curvature", "surflet+fpfh+curvature", whole_object),
         ("whole object, surflet", "surflet", whole_object),
         ("whole object, mean FPFH", "fpfh", whole_object),

@@ -17,7 +17,7 @@ import numpy as np
 
 from common import add_folder, command, ensembles, percent, print_table, scans_in
 from rigid_motion import moved
-from shapeconcepts import segment
+from shapeconcepts import describe, segment
 from shapeconcepts.topology import jensen_shannon_divergences
 
 
@@ -31,9 +31,12 @@ def main() -> None:
     originals = [segment(scan) for scan in scans]
     copies = [segment(moved(scan, generator)) for scan in scans]
     table = []
-    for name, ensemble in ensembles().items():
-        rows = ensemble.fit(originals).transform(originals)
-        divergences = jensen_shannon_divergences(ensemble.transform(copies), rows)
+    for name, (descriptor, ensemble) in ensembles().items():
+        described, moved_ones = (
+            [describe(one, descriptor) for one in objects] for objects in (originals, copies)
+        )
+        rows = ensemble.fit(described).transform(described)
+        divergences = jensen_shannon_divergences(ensemble.transform(moved_ones), rows)
         own = np.diagonal(divergences)
         found = own <= divergences.min(axis=1) + 1e-12
         shared = (jensen_shannon_divergences(rows) < 1e-12).sum(axis=1) > 1

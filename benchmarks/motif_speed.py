@@ -65,18 +65,21 @@ def main() -> None:
     order = np.random.default_rng(0).permutation(len(segmented))
     training, new = ([segmented[i] for i in part] for part in (order[:N_TRAINING], order[N_TRAINING:]))
     rows = []
-    for name, ensemble in ensembles().items():
-        described = [describe(one, ensemble.descriptor) for one in training]
-        new_described = [describe(one, ensemble.descriptor) for one in new]
+    for name, (descriptor, ensemble) in ensembles().items():
+
+        def describe_and(method, objects, descriptor=descriptor):
+            return method([describe(one, descriptor) for one in objects])
+
+        described, new_described = ([describe(one, descriptor) for one in part] for part in (training, new))
         ensemble.fit(described[:20]).transform(new_described[:1])
         _ = ensemble.stimuli_
         fit_described = np.median([seconds(ensemble.fit, described) for _ in range(REPEATS)])
         training_rows = seconds(getattr, ensemble, "stimuli_")
-        fit_segmented = np.median([seconds(ensemble.fit, training) for _ in range(REPEATS)])
+        fit_segmented = np.median([seconds(describe_and, ensemble.fit, training) for _ in range(REPEATS)])
         each_described = 1e3 * np.array(
             [seconds(ensemble.transform, [one]) for one in new_described * REPEATS]
         )
-        each_segmented = 1e3 * np.array([seconds(ensemble.transform, [one]) for one in new])
+        each_segmented = 1e3 * np.array([seconds(describe_and, ensemble.transform, [one]) for one in new])
         size = len(pickle.dumps(ensemble)) / 1e6
         n_bins, with_pairs = described[0].description.n_bins, len(described[0].description.pairs) > 0
         ensemble.partial_fit([worst_case(n_bins, with_pairs, seed=1)])

@@ -24,11 +24,12 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial.distance import pdist, squareform
 
 from common import command, print_table
-from shapeconcepts import TopologicalSpace
+from shapeconcepts import Filtration, TopologicalSpace
 from shapeconcepts.topology.neighbourhood import Neighbourhoods
 
 N_COLUMNS = 3_000
 N_ENTRIES = 30
+PER_ROOT = Filtration().neighbours_per_root
 REPEATS = 5
 
 
@@ -65,7 +66,7 @@ def measure(n: int) -> tuple[float, float, float, float, float]:
     Path("/proc/self/clear_refs").write_text("5")
     before = resident("VmRSS")
     start = time.perf_counter()
-    neighbourhoods = Neighbourhoods.of(space)
+    neighbourhoods = Neighbourhoods.of(space, PER_ROOT)
     of_neighbours = time.perf_counter() - start, resident("VmHWM") - before
     assert len(neighbourhoods.starts) == n + 1
     return float(np.median(seconds)), memory, space.divergences_.sum(), *of_neighbours
@@ -85,7 +86,7 @@ def main() -> None:
     parser.add_argument("--scipy", action="store_true", help="also SciPy, at 2,000 rows")
     options = parser.parse_args()
     sizes = [2_000, 5_000, 20_000, *([100_000] if options.large else [])]
-    Neighbourhoods.of(TopologicalSpace().fit(make_rows(100)))
+    Neighbourhoods.of(TopologicalSpace().fit(make_rows(100)), PER_ROOT)
     table, times = [], []
     for n in sizes:
         seconds, memory, weight, *of_neighbours = measure(n)

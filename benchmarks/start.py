@@ -33,7 +33,7 @@ sc.FPFH().describe(segmented)
 sc.Surflet().describe(segmented)
 compute_fpfh(segmented.points, segmented.normals, 0.03)
 scans = sc.datasets.simulate(3, categories=["can", "ball"])
-model = sc.ShapeConceptModel(n_levels=2).fit(scans)
+model = sc.ShapeConceptModel().fit(scans)
 model.transform(scans[:1]), model.predict(scans[:1]), model.explain(scans[0])
 """
 

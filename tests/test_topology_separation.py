@@ -136,7 +136,7 @@ def test_far_bunches_against_ward(seed):
         classes.update(dict.fromkeys(a | b, a | b))
 
 
-@pytest.mark.filterwarnings("ignore:no time of the filtration")
+@pytest.mark.filterwarnings("ignore:the filtration of")
 def test_times_are_separations_scaled():
     rows = rows_of_tree([(0, 1), (1, 2), (2, 3)], [2, 1, 1, 3])
     filtration = Filtration(stop="annexations").fit(rows)
@@ -146,5 +146,5 @@ def test_times_are_separations_scaled():
         space.divergences_.tolist(),
         space.multiplicities_.tolist(),
     )
-    assert filtration.edges.tolist() == space.edges_[order].tolist()
-    np.testing.assert_allclose(filtration.times, np.array(separations) / separations[-1])
+    assert filtration.edges_.tolist() == space.edges_[order].tolist()
+    np.testing.assert_allclose(filtration.times_, np.array(separations) / separations[-1])

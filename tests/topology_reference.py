@@ -186,7 +186,12 @@ def slow_neighbours(divergences: np.ndarray, counts: list[int], n_neighbours: in
 
 
 def slow_settled(
-    concepts: list[int], divergences: np.ndarray, counts: list[int], n_neighbours: int, min_size: int
+    concepts: list[int],
+    divergences: np.ndarray,
+    counts: list[int],
+    n_neighbours: int,
+    min_size: int,
+    n_nearest: int,
 ) -> list[int]:
     """Concept of each vertex after all objects have settled, object by object; -1 for none."""
     near = slow_neighbours(divergences, counts, n_neighbours)
@@ -201,8 +206,8 @@ def slow_settled(
             farthest = to_near[-1][0] if to_near else 0.0
             means = []
             for concept in sorted(set(concepts) - {-1}):
-                distances = [d for d, c in seen if c == concept][:10]
-                wanted = min(members[concept] - (concept == own), 10)
+                distances = [d for d, c in seen if c == concept][:n_nearest]
+                wanted = min(members[concept] - (concept == own), n_nearest)
                 if distances:
                     distances += [farthest] * (wanted - len(distances))
                     means.append((round(sum(distances) / wanted, 10), concept != own, concept))
@@ -225,12 +230,16 @@ def slow_mixing(
     return share / min(Fraction(1), Fraction(n_neighbours, size - 1))
 
 
-def slow_neighbourhood_size(n_objects: int) -> int:
-    return max(min(max(round(3 * sqrt(n_objects)), 36), n_objects // 2), 1)
+def slow_neighbourhood_size(n_objects: int, per_root: float = 3) -> int:
+    return max(min(max(round(per_root * sqrt(n_objects)), 36), n_objects // 2), 1)
 
 
 def slow_refusals(
-    edges: list[tuple[int, int]], divergences: np.ndarray, counts: list[int], min_size: int
+    edges: list[tuple[int, int]],
+    divergences: np.ndarray,
+    counts: list[int],
+    min_size: int,
+    least_mixing: Fraction,
 ) -> list[bool]:
     """Edges in the order in which they enter."""
     n_neighbours = slow_neighbourhood_size(sum(counts))
@@ -241,7 +250,7 @@ def slow_refusals(
         smaller = min(sum(counts[v] for v in group[end]) for end in (a, b))
         is_small = smaller < min_size or smaller < n_neighbours / 16
         mixing = slow_mixing(group[a], group[b], neighbours, counts, n_neighbours)
-        refused.append(divergences[a, b] > 1 - 1e-12 or (not is_small and mixing < Fraction(4, 5)))
+        refused.append(divergences[a, b] > 1 - 1e-12 or (not is_small and mixing < least_mixing))
         if not refused[-1]:
             joined = group[a] | group[b]
             group.update(dict.fromkeys(joined, joined))

@@ -40,7 +40,7 @@ def numbers_of_graph(filtration: Filtration, times: np.ndarray, min_size: int) -
 def test_numbers_are_those_of_the_filtration_graph(seed: int, n_objects: int, min_size: int) -> None:
     filtered = filtration(seed, n_objects)
     numbers = ConceptNumbers.of(filtered)
-    assert numbers.times.tolist() == sorted(set(filtered.times.tolist()))
+    assert numbers.times.tolist() == sorted(set(filtered.times_.tolist()))
     assert numbers.at_least(min_size).tolist() == numbers_of_graph(filtered, numbers.times, min_size)
 
 
@@ -54,7 +54,7 @@ def test_numbers_are_those_of_the_filtration_graph(seed: int, n_objects: int, mi
 def test_time_of_a_number_is_the_latest(seed: int, n_objects: int, min_size: int, number: int) -> None:
     filtered = filtration(seed, n_objects)
     time = ConceptNumbers.of(filtered).time_of(number, min_size)
-    times = np.unique(filtered.times)
+    times = np.unique(filtered.times_)
     of_graph = dict(zip(times.tolist(), numbers_of_graph(filtered, times, min_size), strict=True))
     if max(of_graph.values(), default=0) < number or of_graph[times[-1]] > number:
         assert time is None

@@ -65,7 +65,7 @@ def test_surfaces_are_those_of_concepts_at_a_time(preset: str) -> None:
     found = fold_surfaces(described, labels, (fitted, left_out), preset, NUMBERS, SIZES)
     model = shapeconcepts.ShapeConceptModel.preset(preset).fit([described[i] for i in fitted])
     filtration = model.filtration_.without_refusals()
-    times = np.unique(filtration.times)
+    times = np.unique(filtration.times_)
     seen = 0
     for i, number in enumerate(NUMBERS):
         for j, size in enumerate(SIZES):
@@ -77,7 +77,7 @@ def test_surfaces_are_those_of_concepts_at_a_time(preset: str) -> None:
             for k, concept in enumerate(filtration.concepts_at(exact[-1], size)):
                 concept_of[concept.members] = k
             scores = grouping_scores(concept_of, labels[fitted])
-            response = ConceptResponse(model.response_distance).fit(model.stimuli_, concept_of)
+            response = ConceptResponse(model.response_.distance).fit(model.stimuli_, concept_of)
             errors = svm_errors(
                 response.transform(model.stimuli_),
                 labels[fitted],

@@ -109,9 +109,8 @@ def test_levels_are_the_preset_with_other_levels() -> None:
     assert result.levels == [1, 3]
     for level, scores, errors in zip((1, 3), result.scores, result.errors, strict=True):
         for repetition, split in enumerate(SPLITS):
-            expected = select(
-                OBJECTS.described["paper"], OBJECTS.labels, split, "paper", False, n_levels=level
-            )
+            changed = {"ensemble__dictionary__n_levels": level}
+            expected = select(OBJECTS.described["paper"], OBJECTS.labels, split, "paper", False, **changed)
             assert scores[repetition] == expected.scores
             assert errors[repetition] == pytest.approx(np.mean(list(expected.errors.values())))
     assert result.scores[0] != result.scores[1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -12,9 +13,9 @@ from numpy.typing import NDArray
 
 from shapeconcepts.descriptors import DescribedObject, Descriptor, describe
 from shapeconcepts.model import ShapeConceptModel
+from shapeconcepts.parallel import map_in_order
 from shapeconcepts.segmentation import SegmentedObject
 
-Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 # Three quarters for training must leave two for the folds of the cross-validation, and one for the test.
@@ -128,7 +129,9 @@ def run(
     description: str,
 ) -> list[Result]:
     """Results of work on tasks, in their order."""
-    from joblib import Parallel, delayed
-
-    results = Parallel(n_jobs, return_as="generator")(delayed(work)(*task) for task in tasks)
+    results = map_in_order(partial(_work_on, work), tasks, n_jobs)
     return list(results if progress is None else progress(results, len(tasks), description))
+
+
+def _work_on(work: Callable[..., Result], task: tuple[Any, ...]) -> Result:
+    return work(*task)

@@ -30,7 +30,7 @@ class ConceptNumbers:
     @classmethod
     def of(cls, filtration: Filtration) -> ConceptNumbers:
         """Go through the times of a filtration."""
-        times = np.unique(filtration.times)
+        times = np.unique(filtration.times_)
         if len(times) > _MOST_TIMES:
             times = times[np.linspace(0, len(times) - 1, _MOST_TIMES).round().astype(int)]
         labels = [filtration.labels_at(float(time), 2) for time in times]

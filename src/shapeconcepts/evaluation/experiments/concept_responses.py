@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
+from sklearn.base import clone
 
-from shapeconcepts.concepts import ConceptResponse
 from shapeconcepts.concepts.response import mean_distances
 from shapeconcepts.descriptors import DescribedObject
 from shapeconcepts.model import ShapeConceptModel
@@ -52,7 +52,7 @@ class ResponseDistances(NamedTuple):
             Stimuli of test objects.
         """
         one_concept = np.zeros(model.stimuli_.shape[0], np.int64)
-        response = ConceptResponse(model.response_distance).fit(model.stimuli_, one_concept)
+        response = clone(model.response_).fit(model.stimuli_, one_concept)
         placed = np.flatnonzero(np.diff(model.stimuli_.indptr))
         return cls(response.distances(model.stimuli_), response.distances(test), placed)
 

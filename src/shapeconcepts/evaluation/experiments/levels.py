@@ -54,4 +54,4 @@ def _select(
     preset: str,
     n_levels: int,
 ) -> Selection:
-    return select(described, labels, split, preset, False, n_levels=n_levels)
+    return select(described, labels, split, preset, False, ensemble__dictionary__n_levels=n_levels)

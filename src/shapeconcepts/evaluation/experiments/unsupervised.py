@@ -121,8 +121,8 @@ def _filtration(model: ShapeConceptModel) -> FiltrationResult:
         diagram=filtration.diagram(),
         step_ends=step_ends,
         counts=counts,
-        epsilon_max=filtration.epsilon_max,
-        concept_time=filtration.concept_time,
+        epsilon_max=filtration.epsilon_max_,
+        concept_time=filtration.concept_time_,
         times=numbers.times,
-        n_concepts=numbers.at_least(model.min_concept_size),
+        n_concepts=numbers.at_least(filtration.min_concept_size),
     )

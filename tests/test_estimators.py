@@ -1,4 +1,4 @@
-"""The topological half as estimators of their own: scikit-learn's contract."""
+"""The topological half as estimators of their own: scikit-learn's contract. Dictionaries: `tests/motifs`."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ FAILURES = {
 }
 
 
-@pytest.mark.filterwarnings("ignore:no time of the filtration")
+@pytest.mark.filterwarnings("ignore:the filtration of")
 @parametrize_with_checks(
     [
         TopologicalSpace(),
@@ -54,9 +54,13 @@ def test_clusters_of_any_matrix(parameters):
 
 
 def test_parameters():
-    filtration = Filtration(5, 50, "geodesic", "annexations")
+    filtration = Filtration(5, 50, "geodesic", "annexations", 0.7, 2.5, 8)
     assert clone(filtration).get_params() == {
         "min_concept_size": 5, "max_steps": 50, "heat": "geodesic", "stop": "annexations",
+        "least_mixing": 0.7, "neighbours_per_root": 2.5, "n_nearest": 8,
+    }  # fmt: skip
+    assert ConceptResponse("mahalanobis", 5, 7, 0.5).get_params() == {
+        "distance": "mahalanobis", "n_nearest": 5, "max_components": 7, "variance_kept": 0.5,
     }  # fmt: skip
     assert filtration.set_params(max_steps=7).max_steps == 7
     with pytest.raises(ValueError, match="Invalid parameter"):

@@ -8,7 +8,7 @@ from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from shapeconcepts import Filtration
-from shapeconcepts.concepts.filtration import HEATS, STOPS
+from shapeconcepts.topology.annexations import HEATS
 from topology_reference import (
     components,
     random_rows,
@@ -19,6 +19,7 @@ from topology_reference import (
     uniform_rows,
 )
 
+STOPS = ("refusal", "annexations")
 TREES = ("attached", "long", "path", "star", "caterpillar", "two stars")
 PAPER = {"heat": "geodesic", "stop": "annexations"}
 by_both_heats = pytest.mark.parametrize("heat", HEATS)
@@ -76,23 +77,23 @@ def members(concepts) -> list[tuple[int, ...]]:
 def test_against_fractions_and_sets(seed, heat):
     filtration, rows = example(seed, heat)
     slow = slowly(filtration)
-    assert [tuple(edge) for edge in filtration.edges.tolist()] == slow.edges
-    np.testing.assert_allclose(filtration.times, np.array(slow.times, float), rtol=1e-12)
-    assert len(set(slow.times)) == len(set(filtration.times.tolist())), (
+    assert [tuple(edge) for edge in filtration.edges_.tolist()] == slow.edges
+    np.testing.assert_allclose(filtration.times_, np.array(slow.times, float), rtol=1e-12)
+    assert len(set(slow.times)) == len(set(filtration.times_.tolist())), (
         "equal times are equal to the last bit"
     )
     assert [tuple(pair) for pair in filtration.annexations_.tolist()] == slow.annexations
     ends, counts = filtration.annexations()
-    assert counts.tolist() == slow.counts and filtration.n_steps == len(slow.counts)
+    assert counts.tolist() == slow.counts
     np.testing.assert_allclose(ends, np.arange(1, len(counts) + 1) / len(counts))
-    assert counts.sum() == len(filtration.times)
+    assert counts.sum() == len(filtration.times_)
 
-    assert filtration.epsilon_max == filtration.epsilon_max_ == filtration.concept_time
+    assert filtration.epsilon_max_ == filtration.concept_time_
     if slow.epsilon_max is None:
-        assert filtration.epsilon_max is None and filtration.concepts_ == []
+        assert filtration.epsilon_max_ is None and filtration.concepts_ == []
         assert (filtration.labels_ == -1).all()
     else:
-        np.testing.assert_allclose(filtration.epsilon_max, float(slow.epsilon_max), rtol=1e-12)
+        np.testing.assert_allclose(filtration.epsilon_max_, float(slow.epsilon_max), rtol=1e-12)
         n_edges = sum(time <= slow.epsilon_max for time in slow.times)
         expected = groups_at(filtration, n_edges, filtration.min_concept_size)
         assert members(filtration.concepts_) == expected and len(expected) >= 2
@@ -274,15 +275,17 @@ def test_no_state_that_is_not_trivial(name, heat):
     with pytest.warns(UserWarning, match="none with more than half: no object is in a concept") as caught:
         filtration = Filtration(heat=heat, stop="annexations").fit(TRIVIAL[name])
     assert caught[0].filename == __file__
-    assert filtration.epsilon_max is None and filtration.concepts_ == []
-    assert filtration.concept_time is None
+    assert filtration.epsilon_max_ is None and filtration.concepts_ == []
+    assert filtration.concept_time_ is None
     n = np.shape(TRIVIAL[name])[0]
     assert filtration.labels_.tolist() == [-1] * n
     placed = int((filtration.space_.vertices_ >= 0).sum())
     everything = filtration.concepts_at(1, min_size=1)
     assert [concept.size for concept in everything] == ([placed] if placed else [])
     assert (
-        filtration.annexations()[1].sum() == len(filtration.times) == len(filtration.diagram()) - bool(placed)
+        filtration.annexations()[1].sum()
+        == len(filtration.times_)
+        == len(filtration.diagram()) - bool(placed)
     )
     assert filtration.graph().number_of_nodes() == len(filtration.space_.multiplicities_)
 
@@ -294,9 +297,9 @@ def test_no_state_that_is_not_trivial(name, heat):
 def test_nothing_that_is_left_is_a_concept(name, heat):
     with pytest.warns(UserWarning, match="leaves no class of at least 3 objects: no object is in a concept"):
         filtration = Filtration(heat=heat).fit(TRIVIAL[name])
-    assert filtration.concepts_ == [] and filtration.concept_time is None
+    assert filtration.concepts_ == [] and filtration.concept_time_ is None
     assert (filtration.labels_ == -1).all()
-    assert len(filtration.times) + len(filtration.refused_times_) == max(len(filtration.diagram()) - 1, 0)
+    assert len(filtration.times_) + len(filtration.refused_times_) == max(len(filtration.diagram()) - 1, 0)
 
 
 @pytest.mark.parametrize("name", ["three objects", "all equal"])
@@ -306,7 +309,7 @@ def test_a_single_concept(name, heat):
     filtration = Filtration(heat=heat).fit(TRIVIAL[name])
     n = np.shape(TRIVIAL[name])[0]
     assert [concept.size for concept in filtration.concepts_] == [n]
-    assert filtration.labels_.tolist() == [0] * n and filtration.concept_time == 1
+    assert filtration.labels_.tolist() == [0] * n and filtration.concept_time_ == 1
 
 
 @by_both_heats
@@ -326,7 +329,7 @@ def test_without_refusals(seed, heat):
 def test_all_edges_equally_hot():
     with pytest.warns(UserWarning):
         filtration = Filtration(**PAPER).fit(TRIVIAL["star"])
-    assert filtration.times.tolist() == [1] * 8
+    assert filtration.times_.tolist() == [1] * 8
     ends, counts = filtration.annexations()
     assert (ends.tolist(), counts.tolist()) == ([1], [8])
     assert [c.size for c in filtration.concepts_at(1 - 1e-12, 1)] == [1] * 9
@@ -345,7 +348,7 @@ def test_two_bunches():
     assert all(c.medoid in c.members and c.death == 1 for c in filtration.concepts_)
     # The leaves join at 11/23, in the second of three steps.
     assert [c.birth for c in filtration.concepts_] == pytest.approx([11 / 23] * 2)
-    assert filtration.epsilon_max == pytest.approx(2 / 3)
+    assert filtration.epsilon_max_ == pytest.approx(2 / 3)
 
 
 def test_multiples_are_concepts_from_the_start():
@@ -358,17 +361,23 @@ def test_multiples_are_concepts_from_the_start():
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
-        ({"min_concept_size": 1}, "min_concept_size must be an integer of at least 2, got 1"),
-        ({"min_concept_size": 2.5}, "min_concept_size must be an integer of at least 2, got 2.5"),
-        ({"min_concept_size": True}, "min_concept_size must be an integer of at least 2, got True"),
-        ({"max_steps": 0}, "max_steps must be an integer of at least 1, got 0"),
-        ({"heat": "warm"}, "heat must be one of 'separation', 'geodesic', got 'warm'"),
-        ({"stop": None}, "stop must be one of 'refusal', 'annexations', got None"),
-        ({"max_steps": "many"}, "max_steps must be an integer of at least 1, got 'many'"),
+        ({"min_concept_size": 1}, r"an int in the range \[2, 2147483647\]. Got 1"),
+        ({"min_concept_size": 2.5}, r"an int in the range \[2, 2147483647\]. Got 2.5"),
+        ({"min_concept_size": True}, r"an int in the range \[2, 2147483647\]. Got 'True'"),
+        ({"max_steps": 0}, r"an int in the range \[1, 2147483647\]. Got 0"),
+        ({"max_steps": "many"}, r"an int in the range \[1, 2147483647\]. Got 'many'"),
+        # The names come in the order of a set.
+        ({"heat": "warm"}, r"a str among {('separation'|'geodesic'|, ){3}}. Got 'warm'"),
+        ({"stop": None}, r"a str among {('refusal'|'annexations'|, ){3}}. Got None"),
+        ({"least_mixing": 1.1}, r"a float in the range \[0.0, 1.0\]. Got 1.1"),
+        ({"least_mixing": np.nan}, r"a float in the range \[0.0, 1.0\]. Got nan"),
+        ({"neighbours_per_root": 0}, r"a float in the range \(0.0, 2147483648.0\). Got 0"),
+        ({"n_nearest": 0}, r"an int in the range \[1, 2147483647\]. Got 0"),
     ],
 )
 def test_bad_parameters(parameters, message):
-    with pytest.raises(ValueError, match=message):
+    (name,) = parameters
+    with pytest.raises(ValueError, match=f"The '{name}' parameter of Filtration must be {message} instead"):
         Filtration(**parameters).fit(np.eye(4))
 
 

@@ -1,6 +1,7 @@
 """Neighbours, refused edges and settled concepts, against sets, fractions and scikit-learn."""
 
 import warnings
+from fractions import Fraction
 from unittest.mock import patch
 
 import numpy as np
@@ -43,10 +44,10 @@ def bunches(rng: np.random.Generator, sizes: list[int], n_columns: int = 6, shap
 
 def neighbours_of(space: TopologicalSpace, n_neighbours: int) -> list[list[int]]:
     with (
-        patch.object(neighbourhood, "neighbourhood_size", lambda n: n_neighbours),
+        patch.object(neighbourhood, "neighbourhood_size", lambda n, per_root: n_neighbours),
         patch.object(neighbourhood, "_ROWS_AT_ONCE", 7),
     ):
-        found = Neighbourhoods.of(space)
+        found = Neighbourhoods.of(space, 3.0)
     if len(found.starts) == 1:
         return []
     dense = space.rows_.toarray()
@@ -107,10 +108,18 @@ def test_neighbours_against_scikit_learn(n_neighbours):
     seed=st.integers(0, 10**6),
     kind=st.sampled_from(KINDS),
     min_size=st.integers(2, 5),
+    least_mixing=st.sampled_from(["0.8", "0.8", "0", "0.5", "1"]),
+    n_nearest=st.sampled_from([10, 10, 1, 3]),
 )
 @settings(max_examples=100, deadline=None)
-def test_refusals(heat, n, seed, kind, min_size):
-    filtration = fitted(rows_of(kind, np.random.default_rng(seed), n), heat=heat, min_concept_size=min_size)
+def test_refusals(heat, n, seed, kind, min_size, least_mixing, n_nearest):
+    filtration = fitted(
+        rows_of(kind, np.random.default_rng(seed), n),
+        heat=heat,
+        min_concept_size=min_size,
+        least_mixing=float(least_mixing),
+        n_nearest=n_nearest,
+    )
     space = filtration.space_
     if heat == "separation":
         order, _ = separation_order(space.edges_, space.divergences_, space.multiplicities_)
@@ -118,7 +127,8 @@ def test_refusals(heat, n, seed, kind, min_size):
         order = np.argsort(space.edge_heat_, kind="stable")
     edges, counts = space.edges_[order], space.multiplicities_.tolist()
     dense = space.rows_.toarray()
-    refused = slow_refusals(edges.tolist(), slow_divergences(dense, dense), counts, min_size)
+    between = slow_divergences(dense, dense)
+    refused = slow_refusals(edges.tolist(), between, counts, min_size, Fraction(least_mixing))
     np.testing.assert_array_equal(filtration.edges_, edges[~np.array(refused, bool)])
     np.testing.assert_array_equal(filtration.refused_edges_, edges[np.array(refused, bool)])
     assert len(filtration.refused_times_) == sum(refused) and (np.diff(filtration.refused_times_) >= 0).all()
@@ -130,14 +140,14 @@ def test_refusals(heat, n, seed, kind, min_size):
 
     before = [next((k for k, group in enumerate(left) if v in group), -1) for v in range(len(counts))]
     n_neighbours = slow_neighbourhood_size(sum(counts))
-    settled = slow_settled(before, slow_divergences(dense, dense), counts, n_neighbours, min_size)
+    settled = slow_settled(before, between, counts, n_neighbours, min_size, n_nearest)
     expected = [{v for v, own in enumerate(settled) if own == k} for k in set(settled) - {-1}]
     found = [set(space.vertices_[concept.members].tolist()) for concept in filtration.concepts_]
     assert sorted(map(sorted, found)) == sorted(map(sorted, expected))
     assert [one.size for one in filtration.concepts_] == sorted(one.size for one in filtration.concepts_)[
         ::-1
     ]
-    assert filtration.concept_time == filtration.concept_time_ == (1 if expected else None)
+    assert filtration.concept_time_ == (1 if expected else None)
     for number, concept in enumerate(filtration.concepts_):
         assert concept.birth <= 1 < concept.death
         assert np.flatnonzero(filtration.labels_ == number).tolist() == concept.members.tolist()
@@ -168,6 +178,12 @@ def test_a_bunch_much_larger_than_a_neighbourhood_comes_in_parts():
     which = np.repeat(np.arange(2), sizes)
     assert 2 < len(filtration.concepts_) < 600 / 8
     assert all(len(set(which[concept.members])) == 1 for concept in filtration.concepts_)
+    # In neighbourhoods of half of all objects each is whole; where nothing has to mix, nothing is refused.
+    rows = bunches(np.random.default_rng(0), sizes)
+    wide, lenient = Filtration(neighbours_per_root=13).fit(rows), Filtration(least_mixing=0).fit(rows)
+    assert [set(which[concept.members]) for concept in wide.concepts_] in ([{0}, {1}], [{1}, {0}])
+    assert [concept.size for concept in wide.concepts_] == sizes
+    assert [concept.size for concept in lenient.concepts_] == [600] and len(lenient.refused_edges_) == 0
 
 
 def test_strays_are_annexed():
@@ -179,16 +195,12 @@ def test_strays_are_annexed():
 
 
 def test_neighbourhood_size():
-    assert [neighbourhood_size(n) for n in (1, 2, 3, 40, 72, 100, 346, 10_000)] == [
-        1,
-        1,
-        1,
-        20,
-        36,
-        36,
-        56,
-        300,
-    ]
+    numbers = (1, 2, 3, 40, 72, 100, 346, 10_000)
+    assert [neighbourhood_size(n, 3.0) for n in numbers] == [1, 1, 1, 20, 36, 36, 56, 300]
+    assert [neighbourhood_size(n, 10.0) for n in numbers] == [1, 1, 1, 20, 36, 50, 173, 1000]
+    for per_root in (0.1, 0.5, 3, 3.7, 20):
+        expected = [slow_neighbourhood_size(n, per_root) for n in range(1, 500)]
+        assert [neighbourhood_size(n, per_root) for n in range(1, 500)] == expected
 
 
 def test_what_hangs_on_the_wrong_concept_moves():

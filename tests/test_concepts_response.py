@@ -226,8 +226,22 @@ def test_bad_input(distance):
         ConceptResponse(distance).fit(rows, labels[:-1])
     with pytest.raises(ValueError, match="requires y to be passed"):
         ConceptResponse(distance).fit(rows, None)
-    with pytest.raises(ValueError, match="distance must be one of 'divergence', 'mahalanobis', got 'cosine'"):
-        ConceptResponse("cosine").fit(rows, labels)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"distance": "cosine"}, r"a str among {('divergence'|'mahalanobis'|, ){3}}. Got 'cosine'"),
+        ({"n_nearest": 0}, r"an int in the range \[1, 2147483647\]. Got 0"),
+        ({"max_components": True}, r"an int in the range \[1, 2147483647\]. Got 'True'"),
+        ({"variance_kept": 1.5}, r"a float in the range \[0.0, 1.0\]. Got 1.5"),
+    ],
+)
+def test_bad_parameters(parameters, message):
+    (name,) = parameters
+    expected = f"The '{name}' parameter of ConceptResponse must be {message} instead"
+    with pytest.raises(ValueError, match=expected):
+        ConceptResponse(**parameters).fit(np.eye(4), [0, 0, 1, 1])
 
 
 def test_divergence_needs_no_components():
