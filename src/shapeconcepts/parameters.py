@@ -18,7 +18,7 @@ def whole_number(smallest: int, largest: int = 2**31 - 1) -> Interval:
 
 def positive_number() -> Interval:
     """Constraint: a finite number above 0."""
-    return Interval(Real, 0, 2**31, closed="neither")
+    return Interval(Real, 0, None, closed="neither")
 
 
 def share() -> Interval:
