@@ -123,6 +123,16 @@ def test_metrics_differ():
     assert (a != b).any()
 
 
+@pytest.mark.parametrize(("first", "then"), [METRICS, METRICS[::-1]])
+def test_another_metric_waits_for_the_next_fit(first, then):
+    X, other = histograms(2, 250), histograms(3, 100)
+    dictionary = SegmentDictionary(5, first).fit(X)
+    words = dictionary.transform(other)
+    np.testing.assert_array_equal(dictionary.set_params(metric=then).transform(other), words)
+    fresh = SegmentDictionary(5, then).fit(X)
+    np.testing.assert_array_equal(dictionary.fit(X).transform(other), fresh.transform(other))
+
+
 @few_words_are_no_news
 @settings(max_examples=40, deadline=None)
 @given(
