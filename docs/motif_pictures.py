@@ -8,7 +8,7 @@ from pathlib import Path
 from PIL import Image
 
 from pictures import draw_dictionary, draw_hierarchy
-from shapeconcepts import MotifHierarchyEnsemble, SegmentDictionary, segment
+from shapeconcepts import MotifHierarchyEnsemble, SegmentDictionary, describe, segment
 from shapeconcepts.datasets import simulate, simulate_scan
 from shapeconcepts.report import draw_explanation
 
@@ -22,10 +22,10 @@ def save(picture: Image.Image, name: str) -> None:
 
 if __name__ == "__main__":
     training_objects = [segment(scan) for scan in simulate(n_per_category=30, random_state=1)]
-    ensemble = MotifHierarchyEnsemble(SegmentDictionary(n_levels=4)).fit(training_objects)
+    ensemble = MotifHierarchyEnsemble(SegmentDictionary(n_levels=4)).fit(map(describe, training_objects))
     draw_dictionary(ensemble.dictionary_, training_objects, IMAGES / "dictionary.png")
 
     not_in_training = segment(simulate_scan("teddy", 43, random_state=1))
     save(draw_hierarchy(ensemble, not_in_training, 3), "hierarchy.png")
-    explanation = ensemble.explain(not_in_training)
+    explanation = ensemble.explain(describe(not_in_training))
     save(draw_explanation(explanation, not_in_training, training_objects), "explanation.png")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from shapeconcepts.descriptors.protocol import Description
+from shapeconcepts.descriptors import Description, describe
 from shapeconcepts.motifs import (
     Explanation,
     FiredMotif,
@@ -195,9 +195,10 @@ def test_a_real_explanation_with_long_and_empty_names() -> None:
     names = ["folder/" * 60 + "scan.pcd", "", "line\nbreak"]
     objects = [halves(name) for name in names]
     descriptor = Given({name: histograms + 0.01 * k for k, name in enumerate(names)})
-    ensemble = MotifHierarchyEnsemble(SegmentDictionary(1), descriptor).fit(objects)
+    described = [describe(one, descriptor) for one in objects]
+    ensemble = MotifHierarchyEnsemble(SegmentDictionary(1)).fit(described)
     for one in objects:
-        picture = draw_explanation(ensemble.explain(one), one, objects)
+        picture = draw_explanation(ensemble.explain(describe(one, descriptor)), one, objects)
         assert picture.height == TITLE + 3 * ROW + 24
         assert (np.asarray(picture)[:, -20:] == 255).all()
 

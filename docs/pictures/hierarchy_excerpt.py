@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.descriptors.described_object import describe
+from shapeconcepts.descriptors.protocol import Descriptor
 from shapeconcepts.motifs.decomposition import decompose, segments_in
 from shapeconcepts.motifs.ensemble import MotifHierarchyEnsemble
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
@@ -62,15 +63,22 @@ class HierarchyExcerpt:
 
 
 def excerpt_of(
-    ensemble: MotifHierarchyEnsemble, segmented: SegmentedObject, dictionary_level: int, n_shown: int
+    ensemble: MotifHierarchyEnsemble,
+    segmented: SegmentedObject,
+    dictionary_level: int,
+    n_shown: int,
+    *,
+    descriptor: str | Descriptor = "surflet+fpfh+curvature",
 ) -> HierarchyExcerpt:
     """Propagate an object, and choose what to show.
 
     At each motif level up to one above the object's highest: the activated vertices, the strongest first,
-    then those that were seen in most training objects, `n_shown` together.
+    then those that were seen in most training objects, `n_shown` together. `descriptor` is what the training
+    objects were described by.
     """
     known = ensemble.hierarchies_
-    propagation = propagate(describe(segmented, ensemble.descriptor), ensemble.dictionary_)
+    described = describe(segmented, descriptor)
+    propagation = propagate(described, ensemble.dictionary_)
     vertices = known.activated(propagation.words)[:, dictionary_level - 1]
     activated = {int(vertex) for vertex in vertices[vertices >= 0]}
     vertex_of = {
@@ -78,7 +86,7 @@ def excerpt_of(
         for constellation, vertex in zip(propagation.constellations.tolist(), vertices.tolist(), strict=True)
     }
     stimulus_of: dict[int, float] = {}
-    explanation = ensemble.explain(segmented)
+    explanation = ensemble.explain(described)
     for motif in explanation.motifs:
         if explanation.columns == "prototypes" or motif.dictionary_level == dictionary_level:
             stimulus_of.setdefault(vertex_of[motif.segments], motif.stimulus)

@@ -12,6 +12,7 @@ from pictures.diagram import Diagram
 from pictures.hierarchy_excerpt import HierarchyExcerpt, Pair, excerpt_of
 from pictures.hierarchy_layout import vertex_places
 from pictures.word_colours import word_colours
+from shapeconcepts.descriptors.protocol import Descriptor
 from shapeconcepts.motifs.ensemble import MotifHierarchyEnsemble
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.report.canvas import WHITE, Colour, Point, blend
@@ -45,6 +46,7 @@ def draw_hierarchy(
     dictionary_level: int,
     path: str | PathLike[str] | None = None,
     *,
+    descriptor: str | Descriptor = "surflet+fpfh+curvature",
     n_vertices: int = 18,
 ) -> Image.Image:
     """Draw one hierarchy of an ensemble, and the way of an object through it.
@@ -64,6 +66,8 @@ def draw_hierarchy(
         Which of the hierarchies, from 1.
     path : path, optional
         Where to save the picture; the ending chooses the format (`.png`, `.jpg`, `.webp`).
+    descriptor : {"surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"} or Descriptor
+        What the training objects were described by.
     n_vertices : int
         Largest number of vertices drawn at each motif level, 1 to 30: the activated ones, the strongest
         first, then those seen in most training objects. How many there are is written beside.
@@ -76,14 +80,15 @@ def draw_hierarchy(
     Raises
     ------
     ValueError
-        If there is no such dictionary level, or `n_vertices` is out of range.
+        If there is no such dictionary level, `n_vertices` is out of range, or the descriptor gives other
+        histograms than those that were learned from.
     """
     n_levels = ensemble.hierarchies_.n_levels
     if not 1 <= dictionary_level <= n_levels:
         raise ValueError(f"dictionary_level must be between 1 and {n_levels}, got {dictionary_level!r}")
     if not 1 <= n_vertices <= 30:
         raise ValueError(f"n_vertices must be between 1 and 30, got {n_vertices!r}")
-    excerpt = excerpt_of(ensemble, segmented, dictionary_level, n_vertices)
+    excerpt = excerpt_of(ensemble, segmented, dictionary_level, n_vertices, descriptor=descriptor)
     colours = word_colours(ensemble.dictionary_)[dictionary_level - 1]
     motifs = {vertex: ensemble.hierarchies_.motif(vertex) for row in excerpt.rows for vertex in row}
     n_prototypes = np.diff(ensemble.hierarchies_.prototypes_of.starts)

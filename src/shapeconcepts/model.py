@@ -210,7 +210,9 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         check_is_fitted(self, "response_")
         described, _ = describe_scans(list_of_scans(X), self.segmenter_, self.descriptor_, self.n_jobs)
         self.ensemble_.n_jobs = self.n_jobs
-        return _spread(self.ensemble_.transform([one for one in described if one]), described)
+        rows = self.ensemble_.transform([one for one in described if one])
+        # scikit-learn can be told that it shall be a data frame.
+        return _spread(csr_matrix(rows), described)
 
     def transform(self, X: Iterable[object]) -> NDArray[np.float64]:
         """Responses of the concepts to scans (paper: equation 3); smaller is more alike.

@@ -18,7 +18,7 @@ def whole_number(smallest: int, largest: int = 2**31 - 1) -> Interval:
 
 def positive_number() -> Interval:
     """Constraint: a finite number above 0."""
-    return Interval(Real, 0, 2**31, closed="neither")
+    return Interval(Real, 0, None, closed="neither")
 
 
 def share() -> Interval:
@@ -75,8 +75,8 @@ class StagesMixin:
     def set_params(self, **parameters: Any) -> Any:
         """Set parameters as in scikit-learn."""
         for name in {key.partition("__")[0] for key in parameters if "__" in key}:
-            if name in self._default_stages and getattr(self, name) is None and name not in parameters:
-                setattr(self, name, self._default_stages[name]())
+            if name in self._default_stages and parameters.get(name, getattr(self, name)) is None:
+                parameters[name] = self._default_stages[name]()
         return super().set_params(**parameters)  # type: ignore[misc]
 
     def _stage(self, name: str) -> Any:

@@ -12,6 +12,7 @@ from pictures import draw_hierarchy
 from pictures.hierarchy_excerpt import excerpt_of
 from pictures.hierarchy_layout import RING, vertex_places
 from pictures.word_colours import word_colours
+from shapeconcepts.descriptors import describe
 from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary
 from shapeconcepts.report.canvas import WHITE, blend
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
@@ -20,9 +21,17 @@ STEP = (0xC2, 0x25, 0x4C)
 CENTRES = [(600.0, 800.0 - 200 * level) for level in range(12)]
 
 
+def learned(
+    objects: list[SegmentedObject], descriptor: Given, n_levels: int, columns: str = "prototypes"
+) -> MotifHierarchyEnsemble:
+    return MotifHierarchyEnsemble(SegmentDictionary(n_levels), columns).fit(
+        [describe(one, descriptor) for one in objects]
+    )
+
+
 def random_ensemble(
     seed: int, n_objects: int = 12, columns: str = "prototypes"
-) -> tuple[MotifHierarchyEnsemble, list[SegmentedObject]]:
+) -> tuple[MotifHierarchyEnsemble, list[SegmentedObject], Given]:
     rng = np.random.default_rng(seed)
     objects = []
     for k in range(n_objects):
@@ -30,7 +39,7 @@ def random_ensemble(
         edges = [pair for pair in combinations(range(n_segments), 2) if rng.random() < 0.6]
         objects.append(plane(n_segments, edges, f"object_{k}"))
     descriptor = Given({one.name: rng.dirichlet(np.ones(4), one.n_segments) for one in objects})
-    return MotifHierarchyEnsemble(SegmentDictionary(2), descriptor, columns).fit(objects), objects
+    return learned(objects, descriptor, 2, columns), objects, descriptor
 
 
 def slow_levels(one: SegmentedObject) -> list[set[frozenset[int]]]:
@@ -45,9 +54,11 @@ def slow_levels(one: SegmentedObject) -> list[set[frozenset[int]]]:
     return levels[:-1]
 
 
-def slow_propagation(ensemble: MotifHierarchyEnsemble, one: SegmentedObject, level: int) -> tuple[set, set]:
+def slow_propagation(
+    ensemble: MotifHierarchyEnsemble, one: SegmentedObject, descriptor: Given, level: int
+) -> tuple[set, set]:
     """Links and steps of an object as pairs of (sorted words)."""
-    words = ensemble.dictionary_.transform(ensemble.descriptor.histograms[one.name])[:, level - 1].tolist()
+    words = ensemble.dictionary_.transform(descriptor.histograms[one.name])[:, level - 1].tolist()
 
     def motif(constellation: frozenset[int]) -> tuple[int, ...]:
         return tuple(sorted(words[s] for s in constellation))
@@ -66,12 +77,12 @@ def slow_propagation(ensemble: MotifHierarchyEnsemble, one: SegmentedObject, lev
 
 @pytest.mark.parametrize("seed", range(8))
 def test_links_and_steps_agree_with_the_definition(seed: int) -> None:
-    ensemble, objects = random_ensemble(seed)
+    ensemble, objects, descriptor = random_ensemble(seed)
     known = ensemble.hierarchies_
     for level in (1, 2):
-        parts = [slow_propagation(ensemble, one, level) for one in objects]
+        parts = [slow_propagation(ensemble, one, descriptor, level) for one in objects]
         for one, (own_links, own_steps) in zip(objects[:4], parts, strict=False):
-            excerpt = excerpt_of(ensemble, one, level, 1000)
+            excerpt = excerpt_of(ensemble, one, level, 1000, descriptor=descriptor)
             shown = {vertex for row in excerpt.rows for vertex in row}
             level_of = {known.motif(v): known.motif_levels[v] for v in shown}
 
@@ -99,19 +110,20 @@ def test_links_and_steps_agree_with_the_definition(seed: int) -> None:
 @pytest.mark.parametrize("columns", ["prototypes", "motifs"])
 @pytest.mark.parametrize("seed", range(3))
 def test_stimuli_are_those_of_the_explanation_at_every_level(columns: str, seed: int) -> None:
-    ensemble, objects = random_ensemble(seed, 20)
-    ensemble.set_params(columns=columns, bandwidth=0.3).fit(objects)
+    ensemble, objects, descriptor = random_ensemble(seed, 20)
+    ensemble.set_params(columns=columns, bandwidth=0.3)
+    ensemble.fit([describe(one, descriptor) for one in objects])
     known, n_stimuli = ensemble.hierarchies_, 0
     for one in objects[:6]:
-        motifs = ensemble.explain(one).motifs
-        words = ensemble.dictionary_.transform(ensemble.descriptor.histograms[one.name])
+        motifs = ensemble.explain(describe(one, descriptor)).motifs
+        words = ensemble.dictionary_.transform(descriptor.histograms[one.name])
         for level in (1, 2):
             expected: dict[tuple[int, ...], float] = {}
             for motif in motifs:
                 if columns == "prototypes" or motif.dictionary_level == level:
                     key = tuple(sorted(words[list(motif.segments), level - 1].tolist()))
                     expected[key] = max(motif.stimulus, expected.get(key, 0.0))
-            excerpt = excerpt_of(ensemble, one, level, 1000)
+            excerpt = excerpt_of(ensemble, one, level, 1000, descriptor=descriptor)
             assert {known.motif(v): stimulus for v, stimulus in excerpt.stimulus_of.items()} == expected
             assert excerpt.stimulus_of.keys() <= excerpt.activated
             assert all(known.dictionary_levels[v] == level for v in excerpt.stimulus_of)
@@ -120,11 +132,15 @@ def test_stimuli_are_those_of_the_explanation_at_every_level(columns: str, seed:
 
 
 def test_activated_vertices_come_first_and_the_rest_is_counted() -> None:
-    ensemble, objects = random_ensemble(3, 30, columns="motifs")
+    ensemble, objects, descriptor = random_ensemble(3, 30, columns="motifs")
     known = ensemble.hierarchies_
     for one in objects[:10]:
-        excerpt = excerpt_of(ensemble, one, 2, 4)
-        fired = {m.vertex: m.stimulus for m in ensemble.explain(one).motifs if m.dictionary_level == 2}
+        excerpt = excerpt_of(ensemble, one, 2, 4, descriptor=descriptor)
+        fired = {
+            m.vertex: m.stimulus
+            for m in ensemble.explain(describe(one, descriptor)).motifs
+            if m.dictionary_level == 2
+        }
         assert excerpt.stimulus_of == fired
         assert fired.keys() <= excerpt.activated
         assert excerpt.n_unknown == 0  # the object is one of those that were learned
@@ -141,9 +157,9 @@ def test_activated_vertices_come_first_and_the_rest_is_counted() -> None:
 
 @pytest.mark.parametrize("n_shown", [1, 5, 18, 30])
 def test_vertices_stand_apart_and_the_activated_ones_in_the_middle(n_shown: int) -> None:
-    ensemble, objects = random_ensemble(7, 60)
+    ensemble, objects, descriptor = random_ensemble(7, 60)
     for one in objects[:6]:
-        excerpt = excerpt_of(ensemble, one, 2, n_shown)
+        excerpt = excerpt_of(ensemble, one, 2, n_shown, descriptor=descriptor)
         place = vertex_places(excerpt, CENTRES[: len(excerpt.rows)])
         assert place.keys() == {vertex for row in excerpt.rows for vertex in row}
         assert len(set(place.values())) == len(place)
@@ -159,7 +175,7 @@ def plates(picture: Image.Image) -> Image.Image:
     return picture.crop((150, 60, 1086, picture.height))
 
 
-def two_words() -> tuple[MotifHierarchyEnsemble, dict[str, SegmentedObject]]:
+def two_words() -> tuple[MotifHierarchyEnsemble, dict[str, SegmentedObject], Given]:
     a, b = np.array([0.9, 0.1]), np.array([0.1, 0.9])
     objects = [
         plane(1, [], "a"),
@@ -171,12 +187,11 @@ def two_words() -> tuple[MotifHierarchyEnsemble, dict[str, SegmentedObject]]:
     ]
     histograms = {"a": [a], "a2": [a], "b": [b], "ab": [a, b], "ab2": [b, a], "bb": [b, b]}
     descriptor = Given({name: np.array(rows) for name, rows in histograms.items()})
-    ensemble = MotifHierarchyEnsemble(SegmentDictionary(1), descriptor).fit(objects)
-    return ensemble, {one.name: one for one in objects}
+    return learned(objects, descriptor, 1), {one.name: one for one in objects}, descriptor
 
 
 def test_only_what_the_object_activates_is_strong(tmp_path: Path) -> None:
-    ensemble, objects = two_words()
+    ensemble, objects, descriptor = two_words()
     [of_a, of_b] = word_colours(ensemble.dictionary_)[0]
     word_a = int(ensemble.dictionary_.transform([[0.9, 0.1]])[0, 0])
     if word_a == 1:
@@ -184,7 +199,7 @@ def test_only_what_the_object_activates_is_strong(tmp_path: Path) -> None:
     disc = np.pi * 15.5**2
 
     path = tmp_path / "a.png"
-    alone = plates(draw_hierarchy(ensemble, objects["a"], 1, path))
+    alone = plates(draw_hierarchy(ensemble, objects["a"], 1, path, descriptor=descriptor))
     assert plates(Image.open(path)) == alone
     assert count(alone, of_a) == pytest.approx(disc, rel=0.15)
     assert count(alone, of_b) == 0
@@ -192,7 +207,7 @@ def test_only_what_the_object_activates_is_strong(tmp_path: Path) -> None:
     # b alone, both slices of (b, b) and half of (a, b), less the white lines.
     assert count(alone, blend(of_b, WHITE, 0.62)) == pytest.approx(2.5 * disc, rel=0.2)
 
-    both = plates(draw_hierarchy(ensemble, objects["ab"], 1))
+    both = plates(draw_hierarchy(ensemble, objects["ab"], 1, descriptor=descriptor))
     assert count(both, of_a) == pytest.approx(1.5 * disc, rel=0.2)
     assert count(both, of_b) == pytest.approx(1.5 * disc, rel=0.2)
     assert count(both, blend(of_b, WHITE, 0.62)) == pytest.approx(disc, rel=0.2)
@@ -201,11 +216,11 @@ def test_only_what_the_object_activates_is_strong(tmp_path: Path) -> None:
 
 
 def test_the_object_has_the_colours_of_its_words() -> None:
-    ensemble, objects = two_words()
+    ensemble, objects, descriptor = two_words()
     colours = [np.array(colour) for colour in word_colours(ensemble.dictionary_)[0]]
-    picture = draw_hierarchy(ensemble, objects["ab"], 1)
+    picture = draw_hierarchy(ensemble, objects["ab"], 1, descriptor=descriptor)
     y = 56 + 140
-    words = ensemble.dictionary_.transform(ensemble.descriptor.histograms["ab"])[:, 0]
+    words = ensemble.dictionary_.transform(descriptor.histograms["ab"])[:, 0]
     for x, word in ((1126 + 80, words[0]), (1126 + 200, words[1])):
         pixel = np.array(picture.getpixel((x, y)), float)
         alike = [pixel @ c / np.linalg.norm(pixel) / np.linalg.norm(c) for c in colours]
@@ -217,18 +232,17 @@ def test_the_object_has_the_colours_of_its_words() -> None:
 def test_one_object_of_one_segment_and_an_object_without_a_known_motif() -> None:
     one, pair = plane(1, [], "one"), plane(3, [(0, 1), (1, 2)], "unlike " * 60)
     descriptor = Given({"one": np.array([[0.5, 0.5]]), pair.name: np.full((3, 2), 0.5)})
-    ensemble = MotifHierarchyEnsemble(SegmentDictionary(2), descriptor).fit([one])
+    ensemble = learned([one], descriptor, 2)
     [colour] = word_colours(ensemble.dictionary_)[1]
     for segmented, n_unknown in ((one, 0), (pair, 3)):
-        picture = draw_hierarchy(ensemble, segmented, 2, n_vertices=1)
+        picture = draw_hierarchy(ensemble, segmented, 2, descriptor=descriptor, n_vertices=1)
         assert picture.width == 1434
         assert count(plates(picture), colour) == pytest.approx(np.pi * 15.5**2, rel=0.15)
-        assert excerpt_of(ensemble, segmented, 2, 1).n_unknown == n_unknown
+        assert excerpt_of(ensemble, segmented, 2, 1, descriptor=descriptor).n_unknown == n_unknown
 
-    of_pairs = MotifHierarchyEnsemble(ensemble.dictionary_, descriptor).fit([pair])
+    of_pairs = MotifHierarchyEnsemble(ensemble.dictionary_).fit([describe(pair, descriptor)])
     lost = Given({"lost": np.array([[0.5, 0.5]])})
-    of_pairs.descriptor = lost
-    assert draw_hierarchy(of_pairs, plane(1, [], "lost"), 1).width == 1434
+    assert draw_hierarchy(of_pairs, plane(1, [], "lost"), 1, descriptor=lost).width == 1434
 
 
 @pytest.mark.parametrize(
@@ -241,20 +255,28 @@ def test_one_object_of_one_segment_and_an_object_without_a_known_motif() -> None
     ],
 )
 def test_bad_parameters_are_named(level: int, n_vertices: int, message: str) -> None:
-    ensemble, objects = two_words()
+    ensemble, objects, descriptor = two_words()
     with pytest.raises(ValueError, match=message):
-        draw_hierarchy(ensemble, objects["a"], level, n_vertices=n_vertices)
+        draw_hierarchy(ensemble, objects["a"], level, descriptor=descriptor, n_vertices=n_vertices)
+
+
+def test_another_descriptor_is_refused() -> None:
+    ensemble, objects, _ = two_words()
+    with pytest.raises(ValueError, match=r"3 features.*2 features"):
+        draw_hierarchy(ensemble, objects["a"], 1, descriptor=Given({"a": np.ones((1, 3))}))
+    with pytest.raises(ValueError, match=r"descriptor must be one of .*, got 'sift'"):
+        draw_hierarchy(ensemble, objects["a"], 1, descriptor="sift")
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_stimuli_of_prototypes_are_shown_at_their_motifs(seed: int) -> None:
-    ensemble, objects = random_ensemble(seed)
+    ensemble, objects, descriptor = random_ensemble(seed)
     assert ensemble.columns == "prototypes"
     for one in objects[:4]:
-        explanation = ensemble.explain(one)
+        explanation = ensemble.explain(describe(one, descriptor))
         strongest = max(motif.stimulus for motif in explanation.motifs)
         for level in (1, 2):
-            excerpt = excerpt_of(ensemble, one, level, 20)
+            excerpt = excerpt_of(ensemble, one, level, 20, descriptor=descriptor)
             assert excerpt.stimulus_of.keys() <= excerpt.activated
             assert max(excerpt.stimulus_of.values()) == pytest.approx(strongest), "its own prototypes"
             for motif in explanation.motifs:

@@ -13,7 +13,6 @@ from motif_reference import SlowEnsemble, SlowObject, decompose
 
 DIVERGENCE_ERROR = 3 * 2**-24
 SMALLEST_SCALE = 1e-5
-WIDTH = 0.35
 SMALLEST_STIMULUS = 1e-3
 # Of the sums, which the kernel adds up in another order and from kernels rounded to 2^-40.
 SUM_ERROR = 1e-9
@@ -53,8 +52,8 @@ def hellinger(p: list[float], q: list[float]) -> float:
 class SlowField:
     """Prototypes (object, constellation) in any order, and their scales."""
 
-    def __init__(self, objects: list[list[Constellation]], n_neighbours: int) -> None:
-        self.n_neighbours = n_neighbours
+    def __init__(self, objects: list[list[Constellation]], n_neighbours: int, width: float = 0.35) -> None:
+        self.n_neighbours, self.width = n_neighbours, width
         self.prototypes = [
             (index, constellation) for index, parts in enumerate(objects) for constellation in parts
         ]
@@ -81,7 +80,7 @@ class SlowField:
             same = [a == b for a, b in zip(constellation.motifs, prototype.motifs, strict=True)]
             share = (1 + sum(same)) / (1 + len(same))
             low, high = (
-                share * kernel(divergence + error, scale - error, own_scale - error)
+                share * kernel(divergence + error, scale - error, own_scale - error, self.width)
                 for error in (DIVERGENCE_ERROR, -DIVERGENCE_ERROR)
             )
             if divergence == 1 or high < SMALLEST_STIMULUS:
@@ -108,7 +107,7 @@ class SlowField:
         return row
 
 
-def kernel(divergence: float, scale: float, own_scale: float) -> float:
+def kernel(divergence: float, scale: float, own_scale: float, width: float) -> float:
     divergence = min(max(divergence, 0.0), 1.0)
-    sigma, own_sigma = (WIDTH * max(each, SMALLEST_SCALE) for each in (scale, own_scale))
+    sigma, own_sigma = (width * max(each, SMALLEST_SCALE) for each in (scale, own_scale))
     return math.exp(-(divergence**2) / (2 * sigma * own_sigma))

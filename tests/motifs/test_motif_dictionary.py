@@ -45,7 +45,7 @@ def kmeans_halves(rows: np.ndarray) -> np.ndarray:
 
 
 @few_words_are_no_news
-@parametrize_with_checks([SegmentDictionary(n_levels=3), SegmentDictionary(metric="euclidean")])
+@parametrize_with_checks([SegmentDictionary(n_levels=3), SegmentDictionary(8, metric="euclidean")])
 def test_scikit_learn_contract(estimator, check):
     check(estimator)
 
@@ -121,6 +121,16 @@ def test_metrics_differ():
     X, other = histograms(2, 250), histograms(3, 100)
     a, b = (SegmentDictionary(5, metric).fit(X).transform(other) for metric in METRICS)
     assert (a != b).any()
+
+
+@pytest.mark.parametrize(("first", "then"), [METRICS, METRICS[::-1]])
+def test_another_metric_waits_for_the_next_fit(first, then):
+    X, other = histograms(2, 250), histograms(3, 100)
+    dictionary = SegmentDictionary(5, first).fit(X)
+    words = dictionary.transform(other)
+    np.testing.assert_array_equal(dictionary.set_params(metric=then).transform(other), words)
+    fresh = SegmentDictionary(5, then).fit(X)
+    np.testing.assert_array_equal(dictionary.fit(X).transform(other), fresh.transform(other))
 
 
 @few_words_are_no_news
@@ -214,15 +224,24 @@ def test_another_number_of_bins_is_refused():
         SegmentDictionary(1).fit(histograms(9, 10)).transform(histograms(9, 10, n_bins=3))
 
 
-@pytest.mark.parametrize("n_levels", [0, -1, 1.5, True, "2", None])
+@pytest.mark.parametrize("n_levels", [0, -1, 17, 1.5, True, "2", None])
 def test_wrong_number_of_levels_is_refused(n_levels):
-    with pytest.raises(ValueError, match=r"n_levels must be .*, got "):
+    message = r"The 'n_levels' parameter of SegmentDictionary must be an int in the range \[1, 16\]\. "
+    with pytest.raises(ValueError, match=message + f"Got '?{n_levels}'? instead"):
         SegmentDictionary(n_levels).fit(histograms(9, 10))
+
+
+@few_words_are_no_news
+def test_numbers_of_levels():
+    assert len(SegmentDictionary().fit(histograms(9, 40)).words_) == 2
+    for n_levels in (1, np.int64(3), 8, 16):
+        assert len(SegmentDictionary(n_levels).fit(histograms(9, 40)).words_) == n_levels
 
 
 @pytest.mark.parametrize("metric", ["cosine", None, 2])
 def test_wrong_metric_is_refused(metric):
-    with pytest.raises(ValueError, match=r"metric must be one of 'hellinger', 'euclidean', got "):
+    message = "The 'metric' parameter of SegmentDictionary must be a str among {'(hellinger|euclidean)', "
+    with pytest.raises(ValueError, match=message + f"'(hellinger|euclidean)'}}. Got '?{metric}'? instead"):
         SegmentDictionary(1, metric).fit(histograms(9, 10))
 
 

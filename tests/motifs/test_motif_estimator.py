@@ -18,6 +18,7 @@ from sklearn.svm import SVC
 from shapeconcepts import (
     MotifHierarchyEnsemble,
     SegmentDictionary,
+    ShapeConceptModel,
     describe,
 )
 from shapeconcepts.descriptors import Description
@@ -27,7 +28,7 @@ few_words_are_no_news = pytest.mark.filterwarnings("ignore:.*different segment d
 
 @few_words_are_no_news
 def test_clone_and_parameters(dictionary, train):
-    model = MotifHierarchyEnsemble(SegmentDictionary(3), "fpfh", "motifs", 7, 0.2, False, 3, 2)
+    model = MotifHierarchyEnsemble(SegmentDictionary(3), "motifs", 7, 0.5, 0.2, False, 3, 2)
     copied = clone(model.fit(train))
     parameters, expected = copied.get_params(), model.get_params()
     assert parameters.pop("dictionary").n_levels == expected.pop("dictionary").n_levels == 3
@@ -35,13 +36,13 @@ def test_clone_and_parameters(dictionary, train):
     assert expected == {
         "bandwidth": 0.2,
         "columns": "motifs",
-        "descriptor": "fpfh",
         "dictionary__metric": "hellinger",
         "dictionary__n_levels": 3,
         "leave_own_out": False,
         "min_support": 3,
         "n_neighbours": 7,
         "n_jobs": 2,
+        "width": 0.5,
     }
     assert not hasattr(copied, "hierarchies_") and not hasattr(copied, "stimuli_")
     copied.set_params(dictionary__n_levels=1, bandwidth=0.1, n_jobs=None)
@@ -94,12 +95,12 @@ class Heights:
 @pytest.mark.parametrize("n_jobs", [None, 2])
 @few_words_are_no_news
 def test_any_descriptor(n_jobs):
-    objects = segmented_objects(16)
-    model = MotifColumns(SegmentDictionary(2), Heights(), n_jobs=n_jobs).fit(objects[:12])
+    objects = [describe(one, Heights()) for one in segmented_objects(16)]
+    model = MotifColumns(SegmentDictionary(2), n_jobs=n_jobs).fit(objects[:12])
     rows = model.transform(objects[12:])
-    assert model.hierarchies_.prototypes.shape[1] == 5 and rows.nnz > 0
-    assert_same_rows(rows, model.transform([describe(one, Heights()) for one in objects[12:]]))
-    assert model.hierarchies_.object_names == tuple(one.name for one in objects[:12])
+    assert model.hierarchies_.prototypes.shape[1] == model.n_features_in_ == 5 and rows.nnz > 0
+    assert_same_rows(rows, model.transform([describe(one, Heights()) for one in segmented_objects(16)[12:]]))
+    assert model.hierarchies_.object_names == tuple(one.name for one in segmented_objects(12))
     assert clone(model).fit(objects).hierarchies_.n_objects == 16
 
 
@@ -107,7 +108,11 @@ def test_presets(train):
     assert MotifHierarchyEnsemble.preset("default").get_params() == MotifHierarchyEnsemble().get_params()
     paper = MotifHierarchyEnsemble.preset("paper")
     assert (paper.dictionary.n_levels, paper.dictionary.metric) == (4, "euclidean")
-    assert (paper.descriptor, paper.columns, paper.bandwidth) == ("fpfh", "motifs", 0.025)
+    assert (ShapeConceptModel.preset("paper").descriptor, paper.columns, paper.bandwidth) == (
+        "fpfh",
+        "motifs",
+        0.025,
+    )
     rows = paper.set_params(dictionary=SegmentDictionary(2, "euclidean")).fit_transform(train)
     # Nothing is left out: every object activates all its own vertices.
     assert_same_rows(rows, paper.transform(train))

@@ -6,7 +6,16 @@ from motif_objects import assert_same_rows
 from scipy.spatial.distance import cdist
 from scipy.spatial.transform import Rotation
 
-from shapeconcepts import MotifHierarchyEnsemble, Scan, SegmentDictionary, read_scan, segment
+from shapeconcepts import (
+    DescribedObject,
+    MotifHierarchyEnsemble,
+    Scan,
+    SegmentDictionary,
+    describe,
+    read_scan,
+    segment,
+)
+from shapeconcepts.segmentation import SegmentedObject
 
 CATEGORIES = ["amphora", "ball", "box", "can", "plate", "sack", "teddy"]
 N_SCANS = 7
@@ -26,15 +35,30 @@ def scans(shared_data) -> list[Scan]:
 
 
 @pytest.fixture(scope="module")
-def objects(scans):
+def segmented(scans) -> list[SegmentedObject]:
     return [segment(scan) for scan in scans]
 
 
 @pytest.fixture(
     scope="module", params=[("surflet", "motifs"), ("fpfh", "motifs"), ("surflet+fpfh", "prototypes")]
 )
-def model(request, objects) -> MotifHierarchyEnsemble:
-    return MotifHierarchyEnsemble(SegmentDictionary(5), *request.param).fit(objects)
+def descriptor_and_columns(request) -> tuple[str, str]:
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def descriptor(descriptor_and_columns) -> str:
+    return descriptor_and_columns[0]
+
+
+@pytest.fixture(scope="module")
+def objects(segmented, descriptor) -> list[DescribedObject]:
+    return [describe(one, descriptor) for one in segmented]
+
+
+@pytest.fixture(scope="module")
+def model(objects, descriptor_and_columns) -> MotifHierarchyEnsemble:
+    return MotifHierarchyEnsemble(SegmentDictionary(5), descriptor_and_columns[1]).fit(objects)
 
 
 def moved(scan: Scan, rng: np.random.Generator) -> Scan:
@@ -56,9 +80,9 @@ def distances(rows, others) -> np.ndarray:
     return np.nan_to_num(cdist(np.asarray(a), np.asarray(b), "jensenshannon"))
 
 
-def test_moved_scan_finds_its_original(model, scans, objects):
+def test_moved_scan_finds_its_original(model, scans, objects, descriptor):
     rng = np.random.default_rng(0)
-    moved_objects = [segment(moved(scan, rng)) for scan in scans[::2]]
+    moved_objects = [describe(segment(moved(scan, rng)), descriptor) for scan in scans[::2]]
     rows = model.transform(objects)
     assert (np.diff(rows.indptr) > 0).all()
     from_original = distances(model.transform(moved_objects), rows)
@@ -69,12 +93,13 @@ def test_moved_scan_finds_its_original(model, scans, objects):
     assert is_nearest.sum(axis=1).max() <= 2
 
 
-def test_order_of_points_does_not_matter(model, scans, objects):
+def test_order_of_points_does_not_matter(model, scans, objects, descriptor):
     rng = np.random.default_rng(1)
     for index in range(0, len(scans), 6):
         order = rng.permutation(len(scans[index].points))
         scan = Scan(scans[index].points[order], viewpoint=scans[index].viewpoint)
-        expected, actual = (model.transform([one]).toarray() for one in (objects[index], segment(scan)))
+        one = describe(segment(scan), descriptor)
+        expected, actual = (model.transform([each]).toarray() for each in (objects[index], one))
         np.testing.assert_allclose(actual, expected, rtol=0, atol=1e-6, err_msg=scan.name)
 
 
@@ -82,7 +107,7 @@ def test_row_is_the_same_alone_in_parts_and_with_more_jobs(model, objects):
     rows = model.transform(objects)
     for index in (0, 17, 48):
         assert_same_rows(model.transform([objects[index]]), rows[index])
-    parts = MotifHierarchyEnsemble(model.dictionary_, model.descriptor, model.columns, n_jobs=2)
+    parts = MotifHierarchyEnsemble(model.dictionary_, model.columns, n_jobs=2)
     parts.partial_fit(objects[:20]).partial_fit(objects[20:])
     assert parts.get_feature_names_out().tolist() == model.get_feature_names_out().tolist()
     assert_same_rows(parts.stimuli_, model.stimuli_)
@@ -112,12 +137,14 @@ def test_motifs_tell_shapes_apart(model, scans):
     assert (labels[between.argmin(axis=1)] == labels).mean() > 0.5
 
 
-@pytest.mark.parametrize("parameters", [{"descriptor": "surflet", "columns": "motifs"}, {}], ids=str)
+@pytest.mark.parametrize(
+    ("describing", "columns"), [({"descriptor": "surflet"}, "motifs"), ({}, "prototypes")], ids=str
+)
 @pytest.mark.parametrize("category", ["milk", "bowl"])
-def test_recorded_views_have_motifs(shared_data, category, parameters):
+def test_recorded_views_have_motifs(shared_data, category, describing, columns):
     files = sorted((shared_data / "restaurant_views" / category).iterdir())[:16:2]
-    objects = [segment(read_scan(path)) for path in files]
-    model = MotifHierarchyEnsemble(SegmentDictionary(2), **parameters).fit(objects[:-2])
+    objects = [describe(segment(read_scan(path)), **describing) for path in files]
+    model = MotifHierarchyEnsemble(SegmentDictionary(2), columns).fit(objects[:-2])
     assert (np.diff(model.stimuli_.indptr) > 0).all()
     rows = model.transform(objects[-2:])
     assert (np.diff(rows.indptr) > 0).all()

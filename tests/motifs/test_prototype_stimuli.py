@@ -53,7 +53,7 @@ def compare(
 ) -> list[float]:
     """Compare training rows and new rows; return the widths of the bounds of all stimuli."""
     n_prototypes = sum(len(one) for one in train)
-    slow = SlowField(train, model.n_neighbours or round(n_prototypes**0.5))
+    slow = SlowField(train, model.n_neighbours or round(n_prototypes**0.5), model.width)
     widths = []
     cases = [(row, index) for index, row in enumerate(by_prototype(model, model.stimuli_))]
     cases = [(row, train[index], index if model.leave_own_out else -1) for row, index in cases]
@@ -71,15 +71,13 @@ def compare(
     return widths
 
 
-def compare_slow(
-    train: list[SlowObject], new: list[SlowObject], n_levels: int, n_neighbours: int, *, leave_own_out: bool
-) -> list[float]:
+def compare_slow(train: list[SlowObject], new: list[SlowObject], n_levels: int, **parameters) -> list[float]:
     dictionary = fit_dictionary([described(one) for one in train], n_levels)
     slow = SlowEnsemble([words.tolist() for words in dictionary.words_], dictionary.metric, 1.0)
     train, new = without_ties(slow, train), without_ties(slow, new)
     if not train:
         return []
-    model = MotifHierarchyEnsemble(dictionary, n_neighbours=n_neighbours, leave_own_out=leave_own_out)
+    model = MotifHierarchyEnsemble(dictionary, **parameters)
     model.fit([described(one) for one in train])
     return compare(
         model,
@@ -93,11 +91,18 @@ def compare_slow(
 def test_random_objects(with_pairs):
     rng = np.random.default_rng(with_pairs)
     widths = []
-    for trial in range(24):
+    for trial in range(36):
         kinds = kinds_of_segments(rng, n_kinds=int(rng.integers(1, 6)), n_bins=int(rng.integers(2, 10)))
         train = random_objects(rng, 6, kinds, 4, with_pairs=with_pairs)
         new = random_objects(rng, 3, kinds, 4, with_pairs=with_pairs)
-        widths += compare_slow(train, new, 1 + trial % 3, (1, 3, 20)[trial % 3], leave_own_out=trial % 4 != 0)
+        widths += compare_slow(
+            train,
+            new,
+            1 + trial % 3,
+            n_neighbours=(1, 3, 20)[trial % 3],
+            width=(0.35, 0.35, 0.1, 2.0)[trial // 3 % 4],
+            leave_own_out=trial % 4 != 0,
+        )
     # The bounds say something: rounding leaves nearly all stimuli as they are.
     assert len(widths) > 2000
     assert np.median(widths) < 1e-5 and np.quantile(widths, 0.9) < 1e-3
@@ -108,11 +113,14 @@ def test_random_objects(with_pairs):
     objects=adversarial_objects(),
     copies=st.integers(1, 3),
     n_neighbours=st.sampled_from([1, 2, 20]),
+    width=st.sampled_from([0.35, 0.1, 2.0]),
     leave_own_out=st.booleans(),
 )
-def test_any_object(objects, copies, n_neighbours, leave_own_out):
+def test_any_object(objects, copies, n_neighbours, width, leave_own_out):
     """Few bins, equal and empty histograms, one object, one object several times."""
-    compare_slow(objects * copies, objects, 2, n_neighbours, leave_own_out=leave_own_out)
+    compare_slow(
+        objects * copies, objects, 2, n_neighbours=n_neighbours, width=width, leave_own_out=leave_own_out
+    )
 
 
 def test_scans(shared_data):
@@ -213,7 +221,7 @@ def test_row_is_the_same_alone_and_in_any_batch(model, train, new):
 
 @pytest.mark.parametrize("n_jobs", [1, 2, 3])
 def test_number_of_jobs_does_not_matter(n_jobs):
-    objects = segmented_objects(24)
+    objects = [describe(one) for one in segmented_objects(24)]
     alone, parallel = (
         MotifHierarchyEnsemble(SegmentDictionary(3), n_jobs=jobs).fit(objects[:16]) for jobs in (None, n_jobs)
     )
@@ -272,15 +280,24 @@ def test_own_prototypes_are_left_out_of_training_rows_only(model, dictionary, tr
     assert_same_rows(left_in.transform(train), model.transform(train))
 
 
-@pytest.mark.parametrize("parameters", [{"n_neighbours": 2}, {"leave_own_out": False}])
-def test_parameters_hold_whenever_they_are_set(dictionary, train, new, parameters):
-    asked = MotifHierarchyEnsemble(dictionary).fit(train)
-    before = asked.stimuli_
-    asked.transform(new)
-    fresh = MotifHierarchyEnsemble(dictionary, **parameters).fit(train)
-    assert_same_rows(asked.set_params(**parameters).stimuli_, fresh.stimuli_)
-    assert_same_rows(asked.transform(new), fresh.transform(new))
-    assert (asked.stimuli_ != before).nnz > 0
+@pytest.mark.parametrize("parameters", [{"n_neighbours": 2}, {"leave_own_out": False}, {"width": 0.7}])
+@pytest.mark.parametrize("asks", [True, False], ids=["asked", "not asked"])
+def test_parameters_wait_until_more_is_learned(dictionary, train, new, parameters, asks):
+    """Whether or not anything was computed with the former ones."""
+    fresh = MotifHierarchyEnsemble(dictionary).fit(train[:-1])
+    before, rows = fresh.stimuli_, fresh.transform(new)
+    model = MotifHierarchyEnsemble(dictionary).fit(train[:-1])
+    if asks:
+        assert model.stimuli_.nnz and model.transform(new).nnz
+    model.set_params(**parameters)
+    assert_same_rows(model.transform(new), rows)
+    assert_same_rows(model.stimuli_, before)
+    expected = MotifHierarchyEnsemble(dictionary, **parameters).fit(train)
+    model.partial_fit(train[-1:])
+    assert_same_rows(model.stimuli_, expected.stimuli_)
+    assert_same_rows(model.transform(new), expected.transform(new))
+    former = MotifHierarchyEnsemble(dictionary).fit(train)
+    assert (model.stimuli_ != former.stimuli_).nnz > 0
 
 
 @pytest.mark.parametrize(("first", "then"), [("prototypes", "motifs"), ("motifs", "prototypes")])
@@ -307,7 +324,7 @@ def test_names_of_columns(model):
 
 def test_equal_prototypes_have_equal_scales():
     model = fitted([SAME, SAME, HALF])
-    field = PrototypeField.of(model.hierarchies_, 1)
-    twins = field.objects < 2
+    field = PrototypeField.of(model.hierarchies_, 1, 0.35)
+    twins = model.hierarchies_.prototype_objects < 2
     np.testing.assert_array_equal(field.scales[twins], np.float64(1e-5))
     assert (field.scales >= 1e-5).all() and (field.scales <= 1).all()

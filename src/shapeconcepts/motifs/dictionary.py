@@ -162,9 +162,12 @@ class SegmentDictionary(TransformerMixin, BaseEstimator):
     def _embed(self, X: ArrayLike, *, reset: bool) -> NDArray[np.float64]:
         """Points between which the metric is L2."""
         rows = validate_data(self, X, reset=reset, dtype=np.float64, ensure_non_negative=True, order="C")
-        return np.sqrt(rows) if self.metric == "hellinger" else rows
+        metric = self.metric if reset else self._learned_metric
+        return np.sqrt(rows) if metric == "hellinger" else rows
 
     def _set_words(self, embedded: list[NDArray[np.float64]]) -> None:
+        # What new segments are compared under, whatever the parameter is set to later.
+        self._learned_metric = self.metric
         self.words_: list[NDArray[np.float64]] = [
             level**2 if self.metric == "hellinger" else level for level in embedded
         ]

@@ -256,9 +256,10 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
             known, learned_with = self.hierarchies_, self._learned_with
             if learned_with["columns"] == "prototypes":
                 n_neighbours = learned_with["n_neighbours"] or max(1, round(len(known.prototypes) ** 0.5))
-                self._field = PrototypeField.of(known, n_neighbours, learned_with["width"])
+                self._field = PrototypeField.of(known, n_neighbours, float(learned_with["width"]))
             else:
-                self._field = MotifField.of(known, learned_with["min_support"], learned_with["bandwidth"])
+                bandwidth = float(learned_with["bandwidth"])
+                self._field = MotifField.of(known, learned_with["min_support"], bandwidth)
         return self._field
 
     @property

@@ -48,7 +48,8 @@ def propagate(described: DescribedObject, dictionary: SegmentDictionary) -> Prop
         raise ValueError(f"{name}: expected 1 to {MAX_SEGMENTS} segments, got {n_segments}")
     constellations, motif_levels = decompose(described.segment_edges, n_segments)
     histograms = described.description.histograms(constellations)
-    segment_words = dictionary.transform(histograms[:n_segments])
+    # scikit-learn can be told that it shall be a data frame.
+    segment_words = np.asarray(dictionary.transform(histograms[:n_segments]))
     is_member = (constellations[:, None] >> np.arange(n_segments)) & 1 == 1
     words = np.full((len(constellations), segment_words.shape[1], MAX_SEGMENTS), -1, np.int32)
     words[:, :, :n_segments] = np.where(is_member[:, None, :], segment_words.T, -1)
