@@ -5,8 +5,6 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from shapeconcepts.scan import Scan, ScanError, ScanWarning
-
 if TYPE_CHECKING:
     from shapeconcepts import datasets
     from shapeconcepts.concepts import Concept, ConceptResponse, Filtration
@@ -22,6 +20,7 @@ if TYPE_CHECKING:
     from shapeconcepts.model import ShapeConceptModel
     from shapeconcepts.model_file import ModelError, load_model
     from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary, decompose
+    from shapeconcepts.scan import Scan, ScanError, ScanWarning
     from shapeconcepts.segmentation import SegmentedObject, segment
     from shapeconcepts.sources import read_scan, read_scans
     from shapeconcepts.topology import TopologicalSpace
@@ -57,7 +56,7 @@ __all__ = [
     "segment",
 ]
 
-# numba and scikit-learn take longer to import than everything else together: these are imported when they are
+# numba and scikit-learn take a second to import, numpy a tenth of one: what needs them is imported when it is
 # first used.
 _HOME_OF = {
     "FPFH": ".descriptors",
@@ -68,6 +67,9 @@ _HOME_OF = {
     "Filtration": ".concepts",
     "ModelError": ".model_file",
     "MotifHierarchyEnsemble": ".motifs",
+    "Scan": ".scan",
+    "ScanError": ".scan",
+    "ScanWarning": ".scan",
     "SegmentDictionary": ".motifs",
     "SegmentedObject": ".segmentation",
     "ShapeConceptModel": ".model",
