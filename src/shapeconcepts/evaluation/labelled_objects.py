@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
+from joblib import Parallel, delayed
 from numpy.typing import NDArray
 
 from shapeconcepts.descriptors import DescribedObject, Descriptor, describe
@@ -128,7 +129,5 @@ def run(
     description: str,
 ) -> list[Result]:
     """Results of work on tasks, in their order."""
-    from joblib import Parallel, delayed
-
     results = Parallel(n_jobs, return_as="generator")(delayed(work)(*task) for task in tasks)
     return list(results if progress is None else progress(results, len(tasks), description))
