@@ -1,6 +1,6 @@
 # Everything happens in a virtual environment inside the clone; only Python 3.11 to 3.13, pip and make are needed.
 #   make demo    simulate scans, learn shape concepts from them, write a report to look at
-#   make test    lint, check types, run the tests
+#   make test    lint, check types and imports, run the tests
 #   make benchmark    measure every figure of BENCHMARK.md (Open3D needs libusb-1.0 and libgl1 of the system)
 # Choose the interpreter with `make PYTHON=python3.12 ...`.
 
@@ -27,6 +27,7 @@ lint: $(VENV)/installed-test
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
+	@said=$$($(BIN)/lint-imports --no-logo --no-cache) || { echo "$$said"; exit 1; }
 
 format: $(VENV)/installed-test
 	@$(BIN)/ruff check --fix .
@@ -49,7 +50,7 @@ $(VENV)/installed: pyproject.toml
 
 $(VENV)/installed-test: $(VENV)/installed
 	@echo "Adding the tools for testing"
-	@$(INSTALL) --editable '.[test]'
+	@$(INSTALL) --editable '.[test,lint]'
 	@touch $@
 
 $(VENV)/installed-benchmark: $(VENV)/installed
