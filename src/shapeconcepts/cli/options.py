@@ -31,11 +31,21 @@ Mask = Annotated[
         "depth image, of the same name.",
     ),
 ]
+
+
+def not_nan(value: float | None) -> float | None:
+    """Complain about nan, which is within any limits as most versions of Typer see it."""
+    if value is not None and value != value:
+        raise typer.BadParameter("nan is no number")
+    return value
+
+
 VoxelSize = Annotated[
     float | None,
     typer.Option(
         min=1e-4,
         max=1.0,
+        callback=not_nan,
         metavar="METRES",
         help="Edge length of the voxels that points are merged into; by default it suits each scan.",
         show_default="auto",

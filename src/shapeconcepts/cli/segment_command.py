@@ -20,6 +20,7 @@ from shapeconcepts.cli.options import (
     Strict,
     VoxelSize,
     check_jobs,
+    not_nan,
     read_options,
     scan_files,
 )
@@ -67,7 +68,11 @@ def segment(
     seed_size: Annotated[
         float,
         typer.Option(
-            min=1e-4, max=1.0, metavar="METRES", help="Distance of the seeds that atomic patches grow from."
+            min=1e-4,
+            max=1.0,
+            callback=not_nan,
+            metavar="METRES",
+            help="Distance of the seeds that atomic patches grow from.",
         ),
     ] = 0.02,
     max_segments: Annotated[
