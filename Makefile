@@ -1,6 +1,7 @@
 # Everything happens in a virtual environment inside the clone; only Python 3.11 to 3.13, pip and make are needed.
 #   make demo    simulate scans, learn shape concepts from them, write a report to look at
 #   make test    lint, check types and imports, run the tests
+#   make wheel-check    build the wheel, and use it elsewhere, without extras
 #   make benchmark    measure every figure of BENCHMARK.md (Open3D needs libusb-1.0 and libgl1 of the system)
 # Choose the interpreter with `make PYTHON=python3.12 ...`.
 
@@ -9,7 +10,7 @@ VENV = .venv
 BIN = $(VENV)/bin
 DEMO = demo-output
 
-.PHONY: demo test lint format benchmark clean
+.PHONY: demo test wheel-check lint format benchmark clean
 
 demo: $(VENV)/installed
 	@rm -rf $(DEMO)
@@ -28,6 +29,9 @@ lint: $(VENV)/installed-test
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@said=$$($(BIN)/lint-imports --no-logo --no-cache) || { echo "$$said"; exit 1; }
+
+wheel-check:
+	@.ci/wheel-check $(PYTHON)
 
 format: $(VENV)/installed-test
 	@$(BIN)/ruff check --fix .
