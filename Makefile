@@ -2,15 +2,17 @@
 #   make demo    simulate scans, learn shape concepts from them, write a report to look at
 #   make test    lint, check types and imports, run the tests
 #   make wheel-check    build the wheel, and use it elsewhere, without extras
+#   make test-lowest    run the tests with the lowest versions that pyproject.toml allows, on Python 3.11 (for nightly use)
 #   make benchmark    measure every figure of BENCHMARK.md (Open3D needs libusb-1.0 and libgl1 of the system)
 # Choose the interpreter with `make PYTHON=python3.12 ...`.
 
 PYTHON = python3
 VENV = .venv
+LOWEST = $(VENV)-lowest
 BIN = $(VENV)/bin
 DEMO = demo-output
 
-.PHONY: demo test wheel-check lint format benchmark clean
+.PHONY: demo test test-lowest wheel-check lint format benchmark clean
 
 demo: $(VENV)/installed
 	@rm -rf $(DEMO)
@@ -33,6 +35,10 @@ lint: $(VENV)/installed-test
 wheel-check:
 	@.ci/wheel-check $(PYTHON)
 
+# Kernels are cached for one version of numba at a time: a folder of its own leaves those of $(VENV) alone.
+test-lowest: $(LOWEST)/installed-test
+	@NUMBA_CACHE_DIR=$(abspath $(LOWEST))/kernels $(LOWEST)/bin/python -m pytest
+
 format: $(VENV)/installed-test
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
@@ -41,7 +47,7 @@ benchmark: $(VENV)/installed-benchmark
 	$(BIN)/python -m benchmarks
 
 clean:
-	rm -rf $(VENV) $(DEMO) build dist
+	rm -rf $(VENV) $(LOWEST) $(DEMO) build dist
 
 # Debian's Python cannot put pip into an environment (ensurepip is a package of its own), so the pip outside installs.
 INSTALL = $(PYTHON) -m pip --python $(BIN)/python install --quiet --disable-pip-version-check
@@ -60,4 +66,12 @@ $(VENV)/installed-test: $(VENV)/installed
 $(VENV)/installed-benchmark: $(VENV)/installed
 	@echo "Adding Open3D, to compare with"
 	@$(INSTALL) --editable '.[benchmark]'
+	@touch $@
+
+# pip knows no lowest versions, uv does.
+$(LOWEST)/installed-test: pyproject.toml
+	@echo "Setting up $(LOWEST)"
+	@python3.11 -m venv --clear --without-pip $(LOWEST)
+	@$(PYTHON) -m pip --python $(LOWEST)/bin/python install --quiet --disable-pip-version-check uv
+	@$(LOWEST)/bin/uv pip install --quiet --python $(LOWEST)/bin/python --resolution lowest-direct --editable '.[test]'
 	@touch $@
