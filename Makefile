@@ -1,15 +1,18 @@
 # Everything happens in a virtual environment inside the clone; only Python 3.11 to 3.13, pip and make are needed.
 #   make demo    simulate scans, learn shape concepts from them, write a report to look at
-#   make test    lint, check types, run the tests
+#   make test    lint, check types and imports, run the tests
+#   make wheel-check    build the wheel, and use it elsewhere, without extras
+#   make test-lowest    run the tests with the lowest versions that pyproject.toml allows, on Python 3.11 (for nightly use)
 #   make benchmark    measure every figure of BENCHMARK.md (Open3D needs libusb-1.0 and libgl1 of the system)
 # Choose the interpreter with `make PYTHON=python3.12 ...`.
 
 PYTHON = python3
 VENV = .venv
+LOWEST = $(VENV)-lowest
 BIN = $(VENV)/bin
 DEMO = demo-output
 
-.PHONY: demo test lint format benchmark clean
+.PHONY: demo test test-lowest wheel-check lint format benchmark clean
 
 demo: $(VENV)/installed
 	@rm -rf $(DEMO)
@@ -27,6 +30,14 @@ lint: $(VENV)/installed-test
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
+	@said=$$($(BIN)/lint-imports --no-logo --no-cache) || { echo "$$said"; exit 1; }
+
+wheel-check:
+	@.ci/wheel-check $(PYTHON)
+
+# Kernels are cached for one version of numba at a time: a folder of its own leaves those of $(VENV) alone.
+test-lowest: $(LOWEST)/installed-test
+	@NUMBA_CACHE_DIR=$(abspath $(LOWEST))/kernels $(LOWEST)/bin/python -m pytest
 
 format: $(VENV)/installed-test
 	@$(BIN)/ruff check --fix .
@@ -36,7 +47,7 @@ benchmark: $(VENV)/installed-benchmark
 	$(BIN)/python -m benchmarks
 
 clean:
-	rm -rf $(VENV) $(DEMO) build dist
+	rm -rf $(VENV) $(LOWEST) $(DEMO) build dist
 
 # Debian's Python cannot put pip into an environment (ensurepip is a package of its own), so the pip outside installs.
 INSTALL = $(PYTHON) -m pip --python $(BIN)/python install --quiet --disable-pip-version-check
@@ -49,10 +60,18 @@ $(VENV)/installed: pyproject.toml
 
 $(VENV)/installed-test: $(VENV)/installed
 	@echo "Adding the tools for testing"
-	@$(INSTALL) --editable '.[test]'
+	@$(INSTALL) --editable '.[test,lint]'
 	@touch $@
 
 $(VENV)/installed-benchmark: $(VENV)/installed
 	@echo "Adding Open3D, to compare with"
 	@$(INSTALL) --editable '.[benchmark]'
+	@touch $@
+
+# pip knows no lowest versions, uv does.
+$(LOWEST)/installed-test: pyproject.toml
+	@echo "Setting up $(LOWEST)"
+	@python3.11 -m venv --clear --without-pip $(LOWEST)
+	@$(PYTHON) -m pip --python $(LOWEST)/bin/python install --quiet --disable-pip-version-check uv
+	@$(LOWEST)/bin/uv pip install --quiet --python $(LOWEST)/bin/python --resolution lowest-direct --editable '.[test]'
 	@touch $@

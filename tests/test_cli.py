@@ -222,6 +222,7 @@ def test_an_empty_folder_is_named(tmp_path: Path) -> None:
         (["segment", "a.pcd", "--voxel-size", "nan"], "--voxel-size"),
         (["segment", "a.pcd", "--voxel-size", "inf"], "--voxel-size"),
         (["segment", "a.pcd", "--seed-size", "-0.02"], "--seed-size"),
+        (["segment", "a.pcd", "--seed-size", "nan"], "--seed-size"),
         (["segment", "a.pcd", "--max-segments", "0"], "--max-segments"),
         (["segment", "a.pcd", "--n-jobs", "0"], "--jobs"),
         (["segment", "a.pcd", "--image", "picture.doc"], "picture format"),

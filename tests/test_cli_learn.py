@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -56,10 +57,10 @@ def entries(cache: Path) -> list[Path]:
 
 
 def forbid_segmentation(monkeypatch: pytest.MonkeyPatch) -> None:
-    def segment(*arguments: object, **options: object) -> None:
+    def segment(*arguments: object) -> None:
         raise ScanError("is segmented again")
 
-    monkeypatch.setattr("shapeconcepts.segmentation.segment", segment)
+    monkeypatch.setattr("shapeconcepts.segmentation.Segmenter.segment", segment)
 
 
 def test_learn_as_typed(scans: Path, tmp_path: Path) -> None:
@@ -96,8 +97,8 @@ def test_json_says_what_the_model_holds(scans: Path, tmp_path: Path) -> None:
     document = json.loads(result.stdout)
     model = shapeconcepts.load_model(path)
     assert document["n_scans"] == len(model.scan_names_) == 24
-    assert document["epsilon_max"] == model.filtration_.epsilon_max
-    assert document["concept_time"] == model.filtration_.concept_time
+    assert document["epsilon_max"] == model.filtration_.epsilon_max_
+    assert document["concept_time"] == model.filtration_.concept_time_
     assert document["skipped"] == []
     assert len(document["concepts"]) == len(model.concepts_)
     for number, (said, concept) in enumerate(zip(document["concepts"], model.concepts_, strict=True)):
@@ -115,18 +116,49 @@ def test_parameters_reach_the_model(scans: Path, tmp_path: Path) -> None:
         "--preset",
         "paper",
         "--min-size",
-        2,
+        4,
         "--levels",
         3,
         "--voxel-size",
         0.008,
     ]
     assert run("learn", scans, "--model", path, *options).exit_code == 0
-    parameters = shapeconcepts.load_model(path).get_params()
-    expected = {"min_concept_size": 2, "n_levels": 3, "voxel_size": 0.008}
-    paper = shapeconcepts.ShapeConceptModel.preset("paper", **expected).get_params()
-    assert parameters == paper
-    assert paper["descriptor"] == "fpfh"
+    parameters = plain_parameters(shapeconcepts.load_model(path))
+    expected = {
+        "filtration__min_concept_size": 4,
+        "ensemble__dictionary__n_levels": 3,
+        "segmenter__voxel_size": 0.008,
+    }
+    assert parameters == plain_parameters(shapeconcepts.ShapeConceptModel.preset("paper", **expected))
+    assert parameters["descriptor"] == "fpfh"
+    document = json.loads(run("info", path, "--json").stdout)
+    assert document["parameters"].items() >= expected.items()
+
+
+def plain_parameters(model: shapeconcepts.ShapeConceptModel) -> dict[str, object]:
+    """Of all stages, but no stages."""
+    return {name: value for name, value in model.get_params().items() if not hasattr(value, "get_params")} | {
+        "segmenter": None
+    }
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "parameter"),
+    [
+        ("--min-size", 1, "'min_concept_size' parameter of Filtration must be an int"),
+        ("--levels", 0, "'n_levels' parameter of SegmentDictionary must be an int"),
+        ("--levels", 17, "'n_levels' parameter of SegmentDictionary must be an int"),
+        ("--voxel-size", "nan", "'voxel_size' parameter of Segmenter must be a float"),
+        ("--voxel-size", 0, "'voxel_size' parameter of Segmenter must be a float"),
+    ],
+)
+def test_ranges_are_those_of_the_stages(
+    option: str, value: object, parameter: str, scans: Path, tmp_path: Path
+) -> None:
+    result = run("learn", scans, "--model", tmp_path / "m", option, value)
+    assert result.exit_code == 2
+    said = " ".join(result.stderr.replace("│", " ").split())
+    assert f"Invalid value for {option}: The {parameter}" in said
 
 
 def test_without_data_it_learns_from_simulated_scans(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -252,19 +284,32 @@ def test_no_cache_leaves_nothing_behind(scans: Path, tmp_path: Path, cache: Path
     assert entries(cache) == []
 
 
-def test_cache_folder_of_each_system(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+@pytest.mark.skipif(sys.platform != "linux", reason="the place is another one on other systems")
+def test_cache_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.undo()
     monkeypatch.setenv("HOME", str(tmp_path))
-    monkeypatch.setattr(sys, "platform", "linux")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
     assert segment_cache.user_cache_folder() == tmp_path / "xdg" / "shapeconcepts"
-    monkeypatch.setenv("XDG_CACHE_HOME", "relative")
+    monkeypatch.delenv("XDG_CACHE_HOME")
     assert segment_cache.user_cache_folder() == tmp_path / ".cache" / "shapeconcepts"
-    monkeypatch.setattr(sys, "platform", "darwin")
-    assert segment_cache.user_cache_folder() == tmp_path / "Library" / "Caches" / "shapeconcepts"
-    monkeypatch.setattr(sys, "platform", "win32")
-    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "local"))
-    assert segment_cache.user_cache_folder() == tmp_path / "local" / "shapeconcepts"
+
+
+@pytest.mark.parametrize("unknown", [Path("~/.cache/shapeconcepts"), RuntimeError("no home")])
+def test_no_cache_folder_without_a_home(
+    monkeypatch: pytest.MonkeyPatch, unknown: Path | RuntimeError
+) -> None:
+    """Versions of platformdirs answer differently."""
+    monkeypatch.undo()
+
+    def user_cache_path(*arguments: object, **options: object) -> Path:
+        if isinstance(unknown, Path):
+            return unknown
+        raise unknown
+
+    monkeypatch.setattr(segment_cache, "user_cache_path", user_cache_path)
+    with pytest.raises(OSError, match=r"~/\.cache|no home"):
+        segment_cache.user_cache_folder()
+    assert object_reader.user_cache() is None
 
 
 def test_results_do_not_depend_on_jobs(scans: Path, tmp_path: Path) -> None:
@@ -354,17 +399,16 @@ def test_real_scenes(shared_data: Path, tmp_path: Path) -> None:
 def test_an_interruption_keeps_the_cache_and_writes_nothing(
     scans: Path, tmp_path: Path, cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from shapeconcepts.segmentation import segment
-
+    segment = shapeconcepts.Segmenter.segment
     calls = []
 
-    def interrupted(*arguments: object, **options: object) -> object:
+    def interrupted(*arguments: Any) -> object:
         calls.append(arguments)
         if len(calls) == 6:
             raise KeyboardInterrupt
-        return segment(*arguments, **options)
+        return segment(*arguments)
 
-    monkeypatch.setattr("shapeconcepts.segmentation.segment", interrupted)
+    monkeypatch.setattr("shapeconcepts.segmentation.Segmenter.segment", interrupted)
     path = tmp_path / "m"
     path.write_text("the old one")
     result = run("learn", scans, "--model", path, "--report", tmp_path / "r.html")

@@ -295,7 +295,7 @@ def test_info(folder: Path) -> None:
         assert model.scan_names_[concept.medoid] in result.stdout
     document = json.loads(run("info", folder / "m.safetensors", "--json").stdout)
     assert [one["size"] for one in document["concepts"]] == [concept.size for concept in model.concepts_]
-    assert document["parameters"]["bandwidth"] == 0.1
+    assert document["parameters"]["ensemble__bandwidth"] == 0.1
 
 
 def test_concepts_get_names(folder: Path, model_file: Path) -> None:

@@ -166,11 +166,11 @@ def test_parameters():
     assert repr(Surflet()) == "Surflet(scale='relative')"
     assert Surflet() != Surflet("metric")
     one = as_segmented(np.zeros((1, 3)), [[0, 0, 1]], [0])
-    with pytest.raises(ValueError, match=r"radius must be a positive number, got -1"):
+    with pytest.raises(ValueError, match=r"'radius' parameter of FPFH must be a float .* Got -1"):
         FPFH(-1).describe(one)
-    with pytest.raises(ValueError, match=r"radius must be a positive number of object sizes, got 0"):
+    with pytest.raises(ValueError, match=r"'radius' parameter of Curvature must be a float .* Got 0"):
         Curvature(0).describe(one)
-    with pytest.raises(ValueError, match=r"scale must be one of 'relative', 'metric', got 'large'"):
+    with pytest.raises(ValueError, match=r"'scale' parameter of Surflet must be a str among .* Got 'large'"):
         Surflet("large").describe(one)
 
 
@@ -190,7 +190,7 @@ def test_get_descriptor():
     for wrong in ("shot", 3, None, Own):
         with pytest.raises(
             ValueError,
-            match=r"one of 'fpfh', 'surflet', 'curvature', 'surflet\+fpfh', 'surflet\+fpfh\+curvature' or "
+            match=r"one of 'surflet\+fpfh\+curvature', 'surflet\+fpfh', 'surflet', 'fpfh', 'curvature' or "
             "have a describe method",
         ):
             get_descriptor(wrong)

@@ -278,7 +278,7 @@ def test_bad_input():
         compute_principal_curvatures(points, 0 * normals, 0)
     for share in (0, -1, math.nan, math.inf):
         with pytest.raises(
-            ValueError, match=f"radius must be a positive number of object sizes, got {share}"
+            ValueError, match=f"'radius' parameter of Curvature must be a float .* Got {share}"
         ):
             Curvature(share).describe(as_segmented(points, normals, np.zeros(5), 1))
     with pytest.raises(ValueError, match=r"points must have shape \(m, 3\), got \(5, 2\)"):

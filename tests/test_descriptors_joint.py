@@ -154,10 +154,10 @@ def test_normals_are_fitted_over_a_radius_of_two_voxels_at_least(voxel_size, rad
 
 
 def test_errors_are_those_of_the_parts():
-    with pytest.raises(ValueError, match="scale must be one of"):
+    with pytest.raises(ValueError, match="'scale' parameter of Surflet must be a str among"):
         Joint((FPFH(), Surflet("size"))).describe(blob())
     for radius in (0, -0.02, np.nan, "2 cm"):
-        with pytest.raises(ValueError, match="normal_radius must be a positive number of metres, got"):
+        with pytest.raises(ValueError, match="'normal_radius' parameter of Joint must be a float"):
             Joint((FPFH(),), radius).describe(blob())
     with pytest.raises(ValueError, match="descriptors must hold at least one descriptor, got none"):
         Joint(()).describe(blob())

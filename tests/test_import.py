@@ -1,5 +1,6 @@
 """The public surface, and what importing it costs."""
 
+import ast
 import subprocess
 import sys
 import tomllib
@@ -10,6 +11,10 @@ import pytest
 import shapeconcepts
 
 ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "src" / "shapeconcepts"
+# The command line imports all its modules for each command: --help, and what is quick, would wait for numba
+# and scikit-learn.
+NEED_NO_REASON = "cli"
 
 
 def test_every_public_name_exists() -> None:
@@ -30,7 +35,7 @@ def printed_by(program: str) -> str:
 
 
 def test_import_leaves_heavy_modules_alone() -> None:
-    heavy = ["matplotlib", "plotly", "pandas", "open3d", "trimesh", "numba", "scipy", "PIL", "typer"]
+    heavy = ["matplotlib", "plotly", "pandas", "open3d", "trimesh", "numba", "numpy", "scipy", "PIL", "typer"]
     program = f"import sys, shapeconcepts; print([name for name in {heavy} if name in sys.modules])"
     assert printed_by(program) == "[]"
 
@@ -48,3 +53,52 @@ def test_the_version_is_the_same_everywhere() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     assert project["version"] == shapeconcepts.__version__
     assert f"\nversion: {shapeconcepts.__version__}\n" in (ROOT / "CITATION.cff").read_text()
+
+
+def unexplained_imports(source: str) -> list[int]:
+    """Lines of imports within functions without a comment above them, or above imports just before them."""
+    lines = source.splitlines()
+    within = {
+        node.lineno: node.end_lineno
+        for function in ast.walk(ast.parse(source))
+        if isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef)
+        for node in ast.walk(function)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+    }
+    before = {end: start for start, end in within.items()}
+    unexplained = []
+    for start in sorted(within):
+        first = start
+        while first - 1 in before:
+            first = before[first - 1]
+        if not lines[first - 2].lstrip().startswith("#"):
+            unexplained.append(start)
+    return unexplained
+
+
+def test_imports_that_are_unexplained() -> None:
+    source = """
+import a
+def f():
+    # It is heavy.
+    from b import (
+        c,
+    )
+    import d
+    def g():
+        import e  # noqa: F401
+    if a:
+        # Only here.
+        import h
+"""
+    assert unexplained_imports(source) == [10]
+
+
+def test_imports_within_functions_have_their_reason() -> None:
+    found = [
+        f"{path.relative_to(PACKAGE)}:{line}"
+        for path in sorted(PACKAGE.rglob("*.py"))
+        if path.relative_to(PACKAGE).parts[0] != NEED_NO_REASON
+        for line in unexplained_imports(path.read_text())
+    ]
+    assert found == []

@@ -9,8 +9,7 @@ import pytest
 import trimesh
 
 from shapeconcepts.scan import Scan, ScanError
-from shapeconcepts.simulation import sensor
-from shapeconcepts.sources import read_scan
+from shapeconcepts.sources import read_scan, reader
 
 SUFFIXES = ["obj", "stl", "off", "glb", "ply"]
 # A unit square and a triangle beside it, in cm around (1, 2, 3).
@@ -27,7 +26,7 @@ def scanned(monkeypatch):
         seen.update(vertices=vertices, faces=faces, random_state=random_state)
         return Scan(vertices, name=name)
 
-    monkeypatch.setattr(sensor, "scan_mesh", scan_mesh)
+    monkeypatch.setattr(reader, "scan_mesh", scan_mesh)
     return seen
 
 
@@ -383,7 +382,7 @@ def test_a_hole_in_the_simulator_names_the_file(tmp_path, monkeypatch, kind):
     def scan_mesh(*args, **options):
         raise kind("nobody thought of it")
 
-    monkeypatch.setattr(sensor, "scan_mesh", scan_mesh)
+    monkeypatch.setattr(reader, "scan_mesh", scan_mesh)
     with pytest.raises(ScanError, match=rf"mesh\.stl: .*{kind.__name__}: nobody thought of it") as caught:
         read_scan(write(tmp_path, exported("stl"), "mesh.stl"))
     assert isinstance(caught.value.__cause__, kind)

@@ -42,7 +42,9 @@ def slow_divergence(p: np.ndarray, q: np.ndarray) -> float:
     """Bits; 1 for an empty row."""
     if not p.any() or not q.any():
         return 1.0
-    return float(jensenshannon(p, q, base=2) ** 2)
+    # Where rounding makes the divergence negative, its root is nan.
+    with np.errstate(invalid="ignore"):
+        return float(np.nan_to_num(jensenshannon(p, q, base=2)) ** 2)
 
 
 def slow_divergences(rows: np.ndarray, others: np.ndarray) -> np.ndarray:

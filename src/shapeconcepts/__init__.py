@@ -6,7 +6,6 @@ from importlib import import_module
 from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any
 
-from shapeconcepts.scan import Scan, ScanError, ScanWarning
 from shapeconcepts.version import __version__
 
 if TYPE_CHECKING:
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from shapeconcepts.model import ShapeConceptModel, load_model
     from shapeconcepts.model_file import ModelError
     from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary, decompose
+    from shapeconcepts.scan import Scan, ScanError, ScanWarning
     from shapeconcepts.segmentation import SegmentedObject, Segmenter, segment
     from shapeconcepts.sources import read_scan, read_scans
     from shapeconcepts.topology import TopologicalSpace
@@ -62,7 +62,7 @@ __all__ = [
     "segment",
 ]
 
-# numba and scikit-learn take longer to import than everything else together: these are imported when they are
+# numba and scikit-learn take a second to import, numpy a tenth of one: what needs them is imported when it is
 # first used, and so are the packages themselves.
 _NAMES_IN = {
     "concepts": ("Concept", "ConceptResponse", "Filtration"),
@@ -80,6 +80,7 @@ _NAMES_IN = {
     "model": ("ShapeConceptModel", "load_model"),
     "model_file": ("ModelError",),
     "motifs": ("MotifHierarchyEnsemble", "SegmentDictionary", "decompose"),
+    "scan": ("Scan", "ScanError", "ScanWarning"),
     "segmentation": ("SegmentedObject", "Segmenter", "segment"),
     "sources": ("read_scan", "read_scans"),
     "topology": ("TopologicalSpace",),

@@ -33,6 +33,8 @@ Mask = Annotated[
         "depth image, of the same name.",
     ),
 ]
+
+
 VoxelSize = Annotated[
     float | None,
     typer.Option(

@@ -8,6 +8,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from sklearn.cluster import MiniBatchKMeans
+from sklearn.decomposition import LatentDirichletAllocation
+from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from shapeconcepts.descriptors import FPFH, compute_fpfh
 from shapeconcepts.evaluation.groupings.grouping import Grouping, without_small_groups
@@ -79,9 +82,6 @@ class TopicModel:
             If there are fewer than five objects, none of their points has a histogram, or a parameter is out
             of range.
         """
-        from sklearn.cluster import MiniBatchKMeans
-        from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
-
         check_integer("max_groups", self.max_groups, 2)
         check_integer("n_words", self.n_words, 2)
         if len(objects) < 5:
@@ -103,8 +103,6 @@ class TopicModel:
 
     def transform(self, objects: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
         """Shares of topics in objects, (m, n_topics) float64; rows sum to 1."""
-        from threadpoolctl import threadpool_limits
-
         with threadpool_limits(1):
             return self._topics.transform(self._counts(objects))
 
@@ -130,6 +128,4 @@ class TopicModel:
         return candidates[int(np.argmin(perplexities))]
 
     def _allocation(self, n_topics: int) -> Any:
-        from sklearn.decomposition import LatentDirichletAllocation
-
         return LatentDirichletAllocation(n_topics, learning_method="batch", random_state=self.random_state)

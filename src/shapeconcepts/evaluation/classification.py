@@ -8,6 +8,9 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import sparray, spmatrix
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import StandardScaler
+from sklearn.svm import SVC
 
 from shapeconcepts.evaluation.metrics import mean_error_over_labels
 from shapeconcepts.topology import jensen_shannon_divergences
@@ -67,8 +70,6 @@ def svm_errors(
 
 
 def _predict_histograms(training: Rows, labels: NDArray[np.str_], test: Rows) -> NDArray[np.str_]:
-    from sklearn.svm import SVC
-
     divergences = jensen_shannon_divergences(training)
     # Where all rows are equal any scale will do.
     scale = divergences.mean() or 1.0
@@ -77,10 +78,6 @@ def _predict_histograms(training: Rows, labels: NDArray[np.str_], test: Rows) ->
 
 
 def _predict_responses(training: Rows, labels: NDArray[np.str_], test: Rows) -> NDArray[np.str_]:
-    from sklearn.pipeline import make_pipeline
-    from sklearn.preprocessing import StandardScaler
-    from sklearn.svm import SVC
-
     known, new = _responses(training, "training_rows"), _responses(test, "test_rows")
     if known.shape[1] != new.shape[1]:
         raise ValueError(f"test_rows must have {known.shape[1]} columns as training_rows, got {new.shape[1]}")

@@ -15,6 +15,7 @@ from shapeconcepts.evaluation.experiments.levels import number_of_levels
 from shapeconcepts.evaluation.experiments.supervised import supervised_selection
 from shapeconcepts.evaluation.experiments.unsupervised import unsupervised_selection
 from shapeconcepts.evaluation.labelled_objects import Progress, check_labels, labelled_objects
+from shapeconcepts.evaluation.libraries import check_libraries
 from shapeconcepts.evaluation.results import Evaluation
 from shapeconcepts.evaluation.splits import stratified_splits
 from shapeconcepts.model import PRESETS
@@ -80,7 +81,10 @@ def evaluate(
     ValueError
         If an object has no label, a label has fewer than four objects, there are not two labels, or a
         parameter is out of range.
+    ModuleNotFoundError
+        If GUDHI is not installed, which comes with ``pip install 'shapeconcepts[evaluation]'``.
     """
+    check_libraries("gudhi")
     check_integer("repetitions", repetitions, 1)
     seconds: dict[str, float] = {}
 

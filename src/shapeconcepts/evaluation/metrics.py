@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from sklearn.metrics import adjusted_mutual_info_score
 
 
 @dataclass(frozen=True)
@@ -55,9 +56,6 @@ def grouping_scores(groups: ArrayLike, labels: ArrayLike) -> GroupingScores:
     ValueError
         If there are no objects, the lengths differ, or a group is not an integer of at least -1.
     """
-    # It takes longer to import than all of the rest.
-    from sklearn.metrics import adjusted_mutual_info_score
-
     group_of, label_of = _checked(groups, labels)
     n = len(group_of)
     counts = np.zeros((group_of.max() + 1, label_of.max() + 1), np.int64)

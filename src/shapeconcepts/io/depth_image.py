@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from PIL import Image
 
 from shapeconcepts.io.cloud import Cloud
 from shapeconcepts.scan import ScanError
@@ -75,8 +76,6 @@ def depth_image_size(data: bytes) -> tuple[int, int]:
 
 
 def _pixels(source: BytesIO | Path, shape: tuple[int, int] | None = None) -> NDArray:
-    from PIL import Image
-
     try:
         with Image.open(source, formats=["PNG"] if shape is None else None) as image:
             if shape is not None and image.size != shape[::-1]:

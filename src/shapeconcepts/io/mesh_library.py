@@ -47,10 +47,11 @@ def read_glb(data: bytes) -> Mesh:
 
 
 def _load(data: bytes, file_type: str, n_faces: int) -> Mesh:
+    # It takes longer to import than all other readers together, and only two formats need it.
     import trimesh
 
     try:
-        with _silent_trimesh():
+        with _silent(trimesh.util.log):
             loaded = trimesh.load_mesh(BytesIO(data), file_type=file_type, process=False, skip_materials=True)
         mesh = Mesh(np.array(loaded.vertices, dtype=np.float64), np.array(loaded.faces, dtype=np.int64))
     except Exception as error:  # trimesh raises whatever its parsing runs into
@@ -62,10 +63,8 @@ def _load(data: bytes, file_type: str, n_faces: int) -> Mesh:
 
 
 @contextmanager
-def _silent_trimesh() -> Iterator[None]:
+def _silent(log: logging.Logger) -> Iterator[None]:
     """What is wrong with a file is told once, by the ScanError."""
-
-    from trimesh.util import log
 
     def drop(record: logging.LogRecord) -> bool:
         return False

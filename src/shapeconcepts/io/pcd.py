@@ -8,6 +8,7 @@ from __future__ import annotations
 import struct
 from typing import NamedTuple
 
+import lzf
 import numpy as np
 from numpy.typing import NDArray
 
@@ -194,8 +195,6 @@ def _binary_columns(data: bytes, body: int, header: _Header, names: list[str]) -
 
 def _compressed_columns(data: bytes, body: int, header: _Header, names: list[str]) -> dict[str, NDArray]:
     """The block holds one field after the other, each for all points."""
-    import lzf
-
     if len(data) - body < 8:
         raise ScanError("is truncated: the sizes of the compressed block are missing")
     compressed_size, size = struct.unpack_from("<II", data, body)

@@ -211,6 +211,7 @@ class MotifHierarchies:
         ValueError
             If there is no such level.
         """
+        # A fifth of a second to import, which nothing else here needs.
         import networkx
 
         if not 1 <= dictionary_level <= self.n_levels:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import os
-import sys
 from dataclasses import dataclass, fields
 from io import BytesIO
 from pathlib import Path
 
 import numpy as np
+from platformdirs import user_cache_path
 
 from shapeconcepts.io.atomic_write import write_atomically
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
@@ -114,18 +113,13 @@ def user_cache_folder() -> Path:
         If the user has no home folder.
     """
     try:
-        if sys.platform == "win32":
-            local = os.environ.get("LOCALAPPDATA")
-            parent = Path(local) if local else Path.home() / "AppData" / "Local"
-        elif sys.platform == "darwin":
-            parent = Path.home() / "Library" / "Caches"
-        else:
-            # A relative path is to be ignored, says the XDG specification.
-            wanted = os.environ.get("XDG_CACHE_HOME", "")
-            parent = Path(wanted) if os.path.isabs(wanted) else Path.home() / ".cache"
+        folder = user_cache_path("shapeconcepts", appauthor=False, opinion=False)
     except RuntimeError as error:
         raise OSError(str(error)) from None
-    return parent / "shapeconcepts"
+    # Before platformdirs 4.12, a home that is not known stays "~", and a relative XDG_CACHE_HOME is taken.
+    if not folder.is_absolute():
+        raise OSError(f"the user's cache folder cannot be told: {folder} is relative")
+    return folder
 
 
 def code_fingerprint() -> str:

@@ -22,6 +22,7 @@ from shapeconcepts.io.ply import read_ply
 from shapeconcepts.io.text_table import read_text_table
 from shapeconcepts.io.viewpoint import finite_rows
 from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.simulation.sensor import scan_mesh
 
 Viewpoint = ArrayLike | Literal["auto"] | None
 
@@ -131,9 +132,6 @@ def _scan(path: Path, read: Callable[[], Cloud | Mesh]) -> Scan:
         raise ScanError(f"{path}: {error}") from None
     if isinstance(content, Cloud):
         return Scan(content.points, content.viewpoint, str(path), None, content.point_labels)
-
-    from shapeconcepts.simulation.sensor import scan_mesh
-
     return scan_mesh(content.vertices, content.faces, random_state=0, name=str(path))
 
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
+from sklearn.manifold import TSNE
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from shapeconcepts.evaluation.experiments.concept_responses import fit
@@ -85,8 +86,6 @@ def majority_labels(
 
 
 def _embedded(responses: Floats, random_state: int) -> Floats:
-    from sklearn.manifold import TSNE
-
     start = "pca" if min(responses.shape) >= 2 else "random"
     perplexity = min(_PERPLEXITY, (len(responses) - 1) / 3)
     # Sums over several threads would round differently each time.

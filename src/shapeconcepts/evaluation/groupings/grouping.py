@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from sklearn.metrics import silhouette_samples
 
 from shapeconcepts.parameters import check_integer
 
@@ -64,8 +65,6 @@ def mean_silhouette(distances: NDArray[np.float64], labels: NDArray[np.int64]) -
     float
         From -1 to 1; -1 with fewer than two groups.
     """
-    from sklearn.metrics import silhouette_samples
-
     grouped = np.flatnonzero(labels >= 0)
     n_groups = len(np.unique(labels[grouped]))
     if n_groups < 2:

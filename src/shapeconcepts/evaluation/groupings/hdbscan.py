@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from sklearn.cluster import HDBSCAN
 
 from shapeconcepts.evaluation.groupings.grouping import (
     Grouping,
@@ -51,7 +52,5 @@ def hdbscan(distances: ArrayLike, max_groups: int, choice: str = "silhouette") -
 
 
 def _labels(distances: NDArray[np.float64], min_cluster_size: int) -> NDArray[np.int64]:
-    from sklearn.cluster import HDBSCAN
-
     clusterer = HDBSCAN(min_cluster_size=min_cluster_size, metric="precomputed", copy=True)
     return without_small_groups(clusterer.fit_predict(distances), min_size=2)

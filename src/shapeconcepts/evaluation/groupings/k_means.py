@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.distance import pdist, squareform
+from sklearn.cluster import KMeans
+from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from shapeconcepts.evaluation.groupings.grouping import (
     Grouping,
@@ -38,9 +40,6 @@ def k_means(rows: ArrayLike, max_groups: int, choice: str = "silhouette", random
         If `rows` is not a matrix of at least two rows of finite numbers of at least 0, or a parameter is
         unknown or out of range.
     """
-    from sklearn.cluster import KMeans
-    from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
-
     check_integer("max_groups", max_groups, 2)
     check_choice(choice)
     histograms = np.asarray(rows, np.float64)

@@ -14,6 +14,7 @@ from shapeconcepts.evaluation.groupings.grouping import (
     checked_distances,
     without_small_groups,
 )
+from shapeconcepts.evaluation.libraries import check_libraries
 
 if TYPE_CHECKING:
     from gudhi.clustering.tomato import Tomato
@@ -65,7 +66,8 @@ def tomato(distances: ArrayLike, max_groups: int, choice: str = "silhouette") ->
 def _labels(
     distances: NDArray[np.float64], neighbours: NDArray[np.int64], max_groups: int, choice: str
 ) -> NDArray[np.int64]:
-    # GUDHI is needed for this baseline only.
+    check_libraries("gudhi")
+    # It comes with an extra: without it, all other groupings work.
     from gudhi.clustering.tomato import Tomato
 
     spreads = (np.take_along_axis(distances, neighbours, axis=1) ** 2).mean(axis=1)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
+from scipy.stats import spearmanr
 
 from shapeconcepts.evaluation.report.style import (
     COLUMN_WIDTH,
@@ -72,6 +73,4 @@ def draw_purity_against_error(supervised: SupervisedResult) -> Figure:
 def _correlation(purity: np.ndarray, error: np.ndarray) -> str:
     if len(purity) < 3 or np.ptp(purity) == 0 or np.ptp(error) == 0:
         return ""
-    from scipy.stats import spearmanr
-
     return f"rank correlation {spearmanr(purity, error).statistic:.2f}".replace("-", "−")
