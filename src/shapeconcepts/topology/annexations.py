@@ -107,7 +107,8 @@ class Annexations:
 
         Vertices have `objects` (rows at this place), edges `time`.
         """
-        import networkx  # takes longer to import than all that a filtration computes
+        # A fifth of a second to import, which nothing else here needs.
+        import networkx
 
         graph = networkx.DiGraph()
         objects, starts = members_of_groups(self.space.vertices_, len(self.space.multiplicities_))
