@@ -4,6 +4,7 @@
 
 The data is expected in ../shared/data beside the repository. A benchmark that lacks its data or Open3D fails,
 and the others go on. The pictures in docs/images stay: `python benchmarks/fall_off.py` draws them anew.
+`python benchmarks/side_by_side.py` is not among them: it compares with another checkout.
 """
 
 import subprocess
