@@ -16,18 +16,23 @@ Result = TypeVar("Result")
 MOST_AT_ONCE = 32
 _CHUNKS_PER_JOB = 4
 _AT_ONCE_FROM_A_STREAM = 8
+# Kernels run without the lock of Python, so that a few threads keep as many cores busy, and are neither started
+# nor sent anything. The lock is held for a sixth of the time: beyond these, processes do more.
+MOST_THREADS = 4
 
 
 def map_in_order(
     work: Callable[[Item], Result],
     items: Iterable[Item],
     n_jobs: int | None = None,
-    prefer: str | None = None,
+    *,
+    share_memory: bool = False,
 ) -> Iterator[Result]:
     """Results of work on items, in their order.
 
-    Work is sent along with each chunk of items, so it should carry parameters, not data. joblib decides where
-    it is done: ``joblib.parallel_config(backend=...)`` reaches a cluster.
+    A few jobs are threads, more are processes (loky), unless ``joblib.parallel_config(backend=...)`` says
+    otherwise, which reaches a cluster. Work is sent along with each chunk of items: it should carry
+    parameters, not data.
 
     Parameters
     ----------
@@ -37,8 +42,8 @@ def map_in_order(
         Taken a few chunks ahead of the results.
     n_jobs : int or None
         As in joblib. The results do not depend on it.
-    prefer : {"threads", "processes"} or None
-        As in joblib: a wish that a backend chosen by the user overrides.
+    share_memory : bool
+        Work that carries data: it is done by threads, however many.
     """
     n_jobs = effective_n_jobs(n_jobs)
     if n_jobs == 1:
@@ -50,6 +55,7 @@ def map_in_order(
     remaining = iter(items)
     chunks = iter(lambda: list(islice(remaining, at_once)), [])
     tasks = (delayed(_work_on)(work, chunk) for chunk in chunks)
+    prefer = "threads" if share_memory or n_jobs <= MOST_THREADS else "processes"
     for results in Parallel(n_jobs, prefer=prefer, return_as="generator")(tasks):
         yield from results
 

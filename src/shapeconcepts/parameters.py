@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
+from functools import cache
 from numbers import Integral, Real
 from typing import Any, ClassVar
 
 import numpy as np
 from sklearn.base import BaseEstimator, clone
-from sklearn.utils._param_validation import Interval, StrOptions, validate_parameter_constraints
+from sklearn.utils._param_validation import (
+    Interval,
+    StrOptions,
+    make_constraint,
+    validate_parameter_constraints,
+)
 
 
 def whole_number(smallest: int, largest: int = 2**31 - 1) -> Interval:
@@ -39,16 +45,29 @@ def check_parameters(estimator: Any) -> None:
     ValueError
         That names the first parameter that is not, its value, and what was expected.
     """
-    parameters = estimator.get_params(deep=False)
-    constraints = estimator._parameter_constraints
-    for name, value in parameters.items():
+    for name, constraints, may_be_boolean in _constraints_of(estimator.__class__):
+        value = getattr(estimator, name)
         # To Python, True is a whole number.
-        if isinstance(value, bool | np.bool_) and "boolean" not in constraints[name]:
-            value = repr(value)
-        validate_parameter_constraints(constraints, {name: value}, type(estimator).__name__)
+        is_sound = may_be_boolean or not isinstance(value, bool | np.bool_)
+        if not (is_sound and any(constraint.is_satisfied_by(value) for constraint in constraints)):
+            shown = value if is_sound else repr(value)
+            validate_parameter_constraints(
+                estimator._parameter_constraints, {name: shown}, type(estimator).__name__
+            )
         for part in value if isinstance(value, tuple | list) else (value,):
             if hasattr(part, "_parameter_constraints"):
                 check_parameters(part)
+
+
+# Descriptors are checked with each object.
+@cache
+def _constraints_of(estimator: Hashable) -> list[tuple[str, list[Any], bool]]:
+    """Name, constraints, and whether it may be true or false, of each parameter of a class."""
+    stated = estimator._parameter_constraints  # type: ignore[attr-defined]
+    return [
+        (name, [make_constraint(one) for one in stated[name]], "boolean" in stated[name])
+        for name in estimator._get_param_names()  # type: ignore[attr-defined]
+    ]
 
 
 class StagesMixin:

@@ -313,7 +313,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
 
     def _stimuli(self, activations: list[Activation]) -> csr_matrix:
         # The kernels run without Python's lock, so threads do, and nothing is copied.
-        rows = map_in_order(self.field_.row, activations, self.n_jobs, "threads")
+        rows = map_in_order(self.field_.row, activations, self.n_jobs, share_memory=True)
         return sparse_rows(list(rows), len(self.columns_))
 
     def _output(self, rows: csr_matrix) -> Any:
