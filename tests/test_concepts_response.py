@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 from scipy.spatial.distance import jensenshannon
+from threadpoolctl import threadpool_limits
 
 from shapeconcepts import ConceptResponse
 from topology_reference import random_rows, slow_divergences
@@ -89,6 +90,19 @@ def test_alone_in_a_batch_and_sparse(n_columns, distance):
     again = ConceptResponse(distance).fit(csr_matrix(rows), labels)
     assert again.transform(csr_matrix(new)).tobytes() == batch.tobytes()
     np.testing.assert_array_equal(again.predict(csr_matrix(new)), predicted)
+
+
+@by_both_distances
+def test_number_of_threads_does_not_matter(distance):
+    """Of those that BLAS and LAPACK take: as many as the machine has, or fewer in the processes of joblib."""
+    rng = np.random.default_rng(0)
+    rows, labels = rng.gamma(2, 1, (60, 200)), rng.integers(0, 4, 60)
+    answers = set()
+    for n_threads in (1, 2, 4):
+        with threadpool_limits(n_threads):
+            response = ConceptResponse(distance).fit(rows, labels)
+            answers.add((response.whitening_.tobytes(), response.transform(rows).tobytes()))
+    assert len(answers) == 1
 
 
 @by_both_distances
