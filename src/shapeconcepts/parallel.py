@@ -16,8 +16,8 @@ Result = TypeVar("Result")
 MOST_AT_ONCE = 32
 _CHUNKS_PER_JOB = 4
 _AT_ONCE_FROM_A_STREAM = 8
-# Kernels run without the lock of Python, so that a few threads keep as many cores busy, and are neither started
-# nor sent anything. The lock is held for a sixth of the time: beyond these, processes do more.
+# Kernels run without the lock of Python, so that a few threads keep as many cores busy, and are neither
+# started nor sent anything. It is held for a sixth of the time: beyond these, processes do more.
 MOST_THREADS = 4
 
 
