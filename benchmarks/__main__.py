@@ -31,6 +31,7 @@ COMMANDS = (
     "motif_speed.py",
     "spanning_tree.py --large --scipy",
     "filtration_growth.py",
+    "jobs.py",
     "learn.py",
     "report.py",
     "start.py",
