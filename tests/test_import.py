@@ -24,6 +24,23 @@ def test_every_public_name_exists() -> None:
     assert set(shapeconcepts.__all__) <= set(dir(shapeconcepts))
 
 
+def test_packages_are_there_without_an_import() -> None:
+    names = [
+        "concepts",
+        "datasets",
+        "descriptors",
+        "evaluation",
+        "io",
+        "motifs",
+        "report",
+        "simulation",
+        "sources",
+        "topology",
+    ]
+    program = f"import shapeconcepts as sc; print([getattr(sc, name).__name__ for name in {names}])"
+    assert printed_by(program) == str([f"shapeconcepts.{name}" for name in names])
+
+
 def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="module 'shapeconcepts' has no attribute 'segmentize'"):
         _ = shapeconcepts.segmentize

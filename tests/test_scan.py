@@ -34,3 +34,11 @@ def test_whole_point_labels(labels):
 def test_other_point_labels(labels, message):
     with pytest.raises(ScanError, match=f"^mug: point_labels must .*{message}"):
         Scan(POINTS, name="mug", point_labels=labels)
+
+
+def test_a_scan_has_arrays_of_its_own():
+    points, viewpoint, labels = np.array(POINTS, float), np.zeros(3), np.array([1, 2])
+    scan = Scan(points, viewpoint, point_labels=labels)
+    points[:], viewpoint[:], labels[:] = 9, 9, 9
+    np.testing.assert_array_equal(scan.points, POINTS)
+    assert scan.viewpoint.tolist() == [0, 0, 0] and scan.point_labels.tolist() == [1, 2]

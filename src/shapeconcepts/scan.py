@@ -82,7 +82,7 @@ class Scan:
             object.__setattr__(self, "viewpoint", viewpoint)
         if self.point_labels is not None:
             try:
-                point_labels = np.ascontiguousarray(whole_numbers(self.point_labels))
+                point_labels = np.array(whole_numbers(self.point_labels), order="C")
             except ScanError as error:
                 raise ScanError(f"{self._title()}: {error}") from None
             if point_labels.shape != (len(points),):
@@ -97,7 +97,8 @@ class Scan:
 
     def _as_array(self, field: str, value: object, dtype: type) -> NDArray:
         try:
-            return np.ascontiguousarray(value, dtype=dtype)
+            # A copy: the caller may go on with the array.
+            return np.array(value, dtype=dtype, order="C")
         except (TypeError, ValueError) as error:
             raise ScanError(f"{self._title()}: {field} must be numbers ({error})") from None
 
