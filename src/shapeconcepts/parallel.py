@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sized
+from contextlib import contextmanager
 from itertools import islice
+from threading import RLock
 from typing import TypeVar
 
 from joblib import Parallel, delayed, effective_n_jobs
+from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -19,6 +22,7 @@ _AT_ONCE_FROM_A_STREAM = 8
 # Kernels run without the lock of Python, so that a few threads keep as many cores busy, and are neither
 # started nor sent anything. It is held for a sixth of the time: beyond these, processes do more.
 MOST_THREADS = 4
+_libraries_are_limited = RLock()
 
 
 def map_in_order(
@@ -27,6 +31,7 @@ def map_in_order(
     n_jobs: int | None = None,
     *,
     share_memory: bool = False,
+    own_process: bool = False,
 ) -> Iterator[Result]:
     """Results of work on items, in their order.
 
@@ -44,6 +49,9 @@ def map_in_order(
         As in joblib. The results do not depend on it.
     share_memory : bool
         Work that carries data: it is done by threads, however many.
+    own_process : bool
+        Work that changes what the threads of a process share, such as filters of warnings: it is done by
+        processes, however few.
     """
     n_jobs = effective_n_jobs(n_jobs)
     if n_jobs == 1:
@@ -55,9 +63,21 @@ def map_in_order(
     remaining = iter(items)
     chunks = iter(lambda: list(islice(remaining, at_once)), [])
     tasks = (delayed(_work_on)(work, chunk) for chunk in chunks)
-    prefer = "threads" if share_memory or n_jobs <= MOST_THREADS else "processes"
+    few = n_jobs <= MOST_THREADS and not own_process
+    prefer = "threads" if share_memory or few else "processes"
     for results in Parallel(n_jobs, prefer=prefer, return_as="generator")(tasks):
         yield from results
+
+
+@contextmanager
+def libraries_in_one_thread() -> Iterator[None]:
+    """Keep BLAS, LAPACK and OpenMP to one thread each.
+
+    Over several, sums round differently with each number of them; and on a busy machine, threads that wait
+    for each other take long. The number is that of the whole process: Python's threads come in one at a time.
+    """
+    with _libraries_are_limited, threadpool_limits(1):
+        yield
 
 
 def _work_on(work: Callable[[Item], Result], chunk: list[Item]) -> list[Result]:

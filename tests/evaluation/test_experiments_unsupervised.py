@@ -1,5 +1,7 @@
 """Unsupervised selection, the number of levels, and baselines on the same splits."""
 
+import os
+
 import numpy as np
 import pytest
 from labelled_scans import simulated_objects
@@ -12,6 +14,7 @@ from shapeconcepts.evaluation import most_groups, stratified_splits
 from shapeconcepts.evaluation.experiments.baseline_comparison import baseline_comparison
 from shapeconcepts.evaluation.experiments.levels import number_of_levels
 from shapeconcepts.evaluation.experiments.unsupervised import select, unsupervised_selection
+from shapeconcepts.evaluation.labelled_objects import run
 
 OBJECTS = simulated_objects()
 SPLITS = stratified_splits(OBJECTS.labels, 2, 0.25, 0)
@@ -88,6 +91,11 @@ def test_several_processes_give_the_same() -> None:
     assert one.scores == two.scores
     assert one.errors == two.errors
     assert one.bars == two.bars
+
+
+def test_work_is_done_by_processes() -> None:
+    """Its filters of warnings, and limits of threads, are of a process."""
+    assert os.getpid() not in run(os.getpid, [()] * 4, 2, None, "")
 
 
 def test_no_concept_is_a_result_too() -> None:

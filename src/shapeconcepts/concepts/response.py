@@ -11,8 +11,8 @@ from scipy.spatial.distance import cdist
 from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.decomposition import PCA
 from sklearn.utils.validation import check_is_fitted, check_non_negative, validate_data
-from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
+from shapeconcepts.parallel import libraries_in_one_thread
 from shapeconcepts.parameters import check_parameters, choice, share, whole_number
 from shapeconcepts.topology.divergence import jensen_shannon_divergences, normalised_rows
 from shapeconcepts.topology.space import TopologicalSpace
@@ -245,9 +245,8 @@ def _whitening(
     mean = np.asarray(rows.mean(axis=0)).ravel() if n else np.zeros(n_columns)
     if largest < 1:
         return mean, np.empty((n_columns, 0))
-    # Among equal rows a component's share of the variance is 0 / 0. Sums over several threads would round
-    # differently with each number of them; and on a busy machine, threads that wait for each other take long.
-    with np.errstate(invalid="ignore"), threadpool_limits(1):
+    # Among equal rows a component's share of the variance is 0 / 0.
+    with np.errstate(invalid="ignore"), libraries_in_one_thread():
         if n * n_columns <= _DENSE_ENTRIES or largest >= min(n, n_columns):
             components = PCA(largest, svd_solver="full").fit(rows.toarray())
         else:

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.cluster import MiniBatchKMeans
 from sklearn.decomposition import LatentDirichletAllocation
-from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from shapeconcepts.descriptors import FPFH, compute_fpfh
 from shapeconcepts.evaluation.groupings.grouping import Grouping, without_small_groups
+from shapeconcepts.parallel import libraries_in_one_thread
 from shapeconcepts.parameters import check_integer
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
@@ -90,8 +90,7 @@ class TopicModel:
         n_words = min(self.n_words, len(np.unique(sample, axis=0)))
         if n_words == 0:
             raise ValueError("objects must have points with histograms, got none")
-        # Threads would add in an order of their own.
-        with threadpool_limits(1):
+        with libraries_in_one_thread():
             self._words = MiniBatchKMeans(n_words, n_init=3, random_state=self.random_state).fit(sample)
             counts = self._counts(objects)
             n_topics = self._number_of_topics(counts)
@@ -103,7 +102,7 @@ class TopicModel:
 
     def transform(self, objects: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
         """Shares of topics in objects, (m, n_topics) float64; rows sum to 1."""
-        with threadpool_limits(1):
+        with libraries_in_one_thread():
             return self._topics.transform(self._counts(objects))
 
     def _counts(self, objects: Sequence[NDArray[np.float64]]) -> NDArray[np.int64]:

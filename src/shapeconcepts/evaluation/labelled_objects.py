@@ -129,7 +129,7 @@ def run(
     description: str,
 ) -> list[Result]:
     """Results of work on tasks, in their order."""
-    results = map_in_order(partial(_work_on, work), tasks, n_jobs)
+    results = map_in_order(partial(_work_on, work), tasks, n_jobs, own_process=True)
     return list(results if progress is None else progress(results, len(tasks), description))
 
 

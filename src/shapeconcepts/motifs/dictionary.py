@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
-from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from shapeconcepts.motifs.divisive_clustering import divide
 from shapeconcepts.motifs.word_kernels import nearest_words
+from shapeconcepts.parallel import libraries_in_one_thread
 from shapeconcepts.parameters import check_parameters, choice, whole_number
 
 METRICS = ("hellinger", "euclidean")
@@ -86,9 +86,7 @@ class SegmentDictionary(TransformerMixin, BaseEstimator):
         # In an order that only their content decides, sums round alike however the segments come in.
         order = np.lexsort(rows.T[::-1])
         clusters = np.empty((len(rows), n_levels), np.int32)
-        # Sums over several threads would round differently with each number of them; and on a busy machine,
-        # threads that wait for each other take long.
-        with threadpool_limits(1):
+        with libraries_in_one_thread():
             clusters[order] = divide(rows[order], n_levels)
         self.clusters_: NDArray[np.int32] = clusters
         self._set_words([_means(rows[order], clusters[order, level]) for level in range(n_levels)])

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from sklearn.manifold import TSNE
-from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from shapeconcepts.evaluation.experiments.concept_responses import fit
 from shapeconcepts.evaluation.labelled_objects import LabelledObjects
 from shapeconcepts.evaluation.results import Floats, MapResult
 from shapeconcepts.evaluation.splits import Split
+from shapeconcepts.parallel import libraries_in_one_thread
 
 # Cells along each side of the map.
 CELLS = 60
@@ -88,8 +88,7 @@ def majority_labels(
 def _embedded(responses: Floats, random_state: int) -> Floats:
     start = "pca" if min(responses.shape) >= 2 else "random"
     perplexity = min(_PERPLEXITY, (len(responses) - 1) / 3)
-    # Sums over several threads would round differently each time.
-    with threadpool_limits(1):
+    with libraries_in_one_thread():
         positions = TSNE(2, perplexity=perplexity, init=start, random_state=random_state).fit_transform(
             responses
         )

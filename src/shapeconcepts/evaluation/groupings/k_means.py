@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.distance import pdist, squareform
 from sklearn.cluster import KMeans
-from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 from shapeconcepts.evaluation.groupings.grouping import (
     Grouping,
@@ -14,6 +13,7 @@ from shapeconcepts.evaluation.groupings.grouping import (
     mean_silhouette,
     without_small_groups,
 )
+from shapeconcepts.parallel import libraries_in_one_thread
 from shapeconcepts.parameters import check_integer
 
 _STARTS = 10
@@ -53,8 +53,7 @@ def k_means(rows: ArrayLike, max_groups: int, choice: str = "silhouette", random
     if most < 2:
         return Grouping(np.zeros(len(points), np.int64), {"clusters": 1})
     candidates = range(2, most + 1) if choice == "silhouette" else [most]
-    # Threads would add in an order of their own.
-    with threadpool_limits(1):
+    with libraries_in_one_thread():
         clusterings = {
             k: KMeans(k, n_init=_STARTS, random_state=random_state).fit_predict(points) for k in candidates
         }
