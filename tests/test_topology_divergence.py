@@ -30,6 +30,7 @@ def test_against_scipy(seed):
 
 @settings(deadline=None, max_examples=60)
 @example([[0.0, 1.0, 0.0, 0.0], [6.103515625e-05, 381061692393.0, 0.0, 0.0]])
+@example([[0.0, 0.0, 0.0, 1.0], [0.0, 22906492249.0, 1.69759663297e-313, 0.0]])
 @given(st.lists(st.lists(st.floats(0, 1e12), min_size=4, max_size=4), min_size=2, max_size=2))
 def test_any_two_rows(rows):
     rows = np.array(rows)
