@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from importlib import import_module
-from pkgutil import iter_modules
 from typing import TYPE_CHECKING, Any
 
 from shapeconcepts.version import __version__
@@ -85,6 +84,7 @@ _NAMES_IN = {
     "sources": ("read_scan", "read_scans"),
     "topology": ("TopologicalSpace",),
 }
+_PACKAGES = ("datasets", "evaluation", "io", "preparation", "report", "simulation", *_NAMES_IN)
 _HOME_OF = {name: home for home, names in _NAMES_IN.items() for name in names}
 
 
@@ -93,7 +93,7 @@ def __getattr__(name: str) -> Any:
         value = getattr(import_module(f".{_HOME_OF[name]}", __name__), name)
         globals()[name] = value
         return value
-    if any(module.name == name for module in iter_modules(__path__)):
+    if name in _PACKAGES:
         return import_module(f".{name}", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
