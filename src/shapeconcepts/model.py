@@ -119,9 +119,8 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         Parameters
         ----------
         name : {"default", "paper"}
-            "paper" follows the paper: FPFH, `MotifHierarchyEnsemble.preset`, "geodesic" heat, concepts of two
-            objects or more at the time of the most annexations, and Mahalanobis distances. Where it differs:
-            docs/paper.md.
+            "paper" follows the paper: FPFH, `MotifHierarchyEnsemble.preset`, "geodesic" heat, concepts at the
+            time of the most annexations, and Mahalanobis distances. Where it differs: docs/paper.md.
         **parameters
             Parameters that differ from the preset, as `set_params` takes them.
 
@@ -137,7 +136,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
             model = cls(
                 descriptor="fpfh",
                 ensemble=MotifHierarchyEnsemble.preset("paper"),
-                filtration=Filtration(min_concept_size=2, heat="geodesic", stop="annexations"),
+                filtration=Filtration(heat="geodesic", stop="annexations"),
                 response=ConceptResponse("mahalanobis"),
             )
         return model.set_params(**parameters)
