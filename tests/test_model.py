@@ -97,7 +97,7 @@ def test_what_is_learned(model, scans):
 def test_no_concept_of_the_paper_holds_more_than_half(paper, scans):
     assert len(paper.concepts_) >= 2
     sizes = [concept.size for concept in paper.concepts_]
-    assert sizes == sorted(sizes, reverse=True) and min(sizes) >= 3 and max(sizes) <= len(scans) / 2
+    assert sizes == sorted(sizes, reverse=True) and min(sizes) >= 2 and max(sizes) <= len(scans) / 2
     assert paper.filtration_.concept_time_ == paper.filtration_.epsilon_max_
     for concept in paper.concepts_:
         assert 0 < concept.birth <= paper.filtration_.epsilon_max_ < concept.death

@@ -309,7 +309,7 @@ def test_bad_parameters_are_named_with_their_value(name, values):
         try:
             segment(scan, **{name: value})
         except (ValueError, TypeError) as error:
-            assert type(error) is ValueError, f"{name}={value!r}: {error!r}"
+            assert isinstance(error, ValueError), f"{name}={value!r}: {error!r}"
             assert name in str(error) and repr(value) in str(error), f"{name}={value!r}: {error!r}"
         else:
             pytest.fail(f"{name}={value!r} was accepted")

@@ -55,7 +55,8 @@ def check_parameters(estimator: Any) -> None:
                 estimator._parameter_constraints, {name: shown}, type(estimator).__name__
             )
         for part in value if isinstance(value, tuple | list) else (value,):
-            if hasattr(part, "_parameter_constraints"):
+            # Of its class: a frozen estimator answers for the one that it wraps.
+            if hasattr(type(part), "_parameter_constraints"):
                 check_parameters(part)
 
 

@@ -32,6 +32,7 @@ _STAGES: dict[str, type[BaseEstimator]] = {
 }
 # How many jobs to run is a matter of the machine, not of the model.
 _LEFT_OUT = "n_jobs"
+_TOO_LARGE = 2**31
 
 
 def encode_parameters(value: Any) -> Any:
@@ -108,6 +109,8 @@ def _decoded(encoded: Any, title: str) -> Any:
     if isinstance(encoded, list):
         return tuple(_decoded(part, title) for part in encoded)
     if not isinstance(encoded, dict):
+        if isinstance(encoded, int | float):
+            require(abs(encoded) < _TOO_LARGE, f"{title} must be below {_TOO_LARGE}, is {encoded!r:.40}")
         return encoded
     name = encoded.get("type")
     require(
