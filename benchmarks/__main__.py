@@ -35,6 +35,7 @@ COMMANDS = (
     "learn.py",
     "report.py",
     "start.py",
+    "other_processor.py",
 )
 
 
