@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable
 from functools import cache
 from numbers import Integral, Real
 from typing import Any, ClassVar
@@ -130,10 +130,3 @@ def check_integer(name: str, value: object, smallest: int) -> int:
     if isinstance(value, bool) or not isinstance(value, Integral) or value < smallest:
         raise ValueError(f"{name} must be an integer of at least {smallest}, got {value!r}")
     return int(value)
-
-
-def check_choice(name: str, value: object, choices: Sequence[str]) -> str:
-    """Return one of several names, or raise a ValueError that names the argument."""
-    if not isinstance(value, str) or value not in choices:
-        raise ValueError(f"{name} must be one of {', '.join(map(repr, choices))}, got {value!r}")
-    return value
