@@ -147,12 +147,13 @@ class Filtration(ClusterMixin, BaseEstimator):
         order, times = order_of_edges(space, self.heat)
         if self.stop == "annexations":
             self._annex(space, order, times, np.zeros(len(order), bool))
-            time = self.epsilon_max_
+            time = self.epsilon_max_ = self._most_annexations()
             concepts = [] if time is None else self.concepts_at(time)
         else:
             neighbourhoods = Neighbourhoods.of(space, self.neighbours_per_root)
             refused = refusals(space, order, neighbourhoods, self.least_mixing, self.min_concept_size)
             self._annex(space, order, times, refused)
+            self.epsilon_max_ = self._most_annexations()
             time = 1.0
             concepts = self._settled(neighbourhoods)
         self.concepts_: list[Concept] = concepts
@@ -162,6 +163,9 @@ class Filtration(ClusterMixin, BaseEstimator):
         self.labels_ = np.full(len(space.vertices_), -1, np.int32)
         for number, concept in enumerate(concepts):
             self.labels_[concept.members] = number
+
+    def _most_annexations(self) -> float | None:
+        return most_annexations(self._history, self.max_steps, self.min_concept_size)
 
     def _warn_of_no_concepts(self) -> None:
         size = f"of at least {self.min_concept_size} objects"
@@ -193,7 +197,6 @@ class Filtration(ClusterMixin, BaseEstimator):
         self._history = Annexations.along(space, edges[~refused], times[~refused])
         self.edges_, self.times_ = self._history.edges, self._history.times
         self.annexations_ = np.stack([self._history.dying, self._history.surviving], axis=1)
-        self.epsilon_max_ = most_annexations(self._history, self.max_steps, self.min_concept_size)
 
     def _settled(self, neighbourhoods: Neighbourhoods) -> list[Concept]:
         """The classes that are left in the end, after objects at their borders have settled."""

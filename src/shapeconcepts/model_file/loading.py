@@ -20,6 +20,7 @@ from shapeconcepts.model_file.layout import FORMAT, Tensors
 from shapeconcepts.model_file.parameters import decode_descriptor, decode_stage
 from shapeconcepts.model_file.state import ModelState
 from shapeconcepts.motifs import MotifHierarchies, MotifHierarchyEnsemble, SegmentDictionary
+from shapeconcepts.motifs.stimuli import MotifField
 from shapeconcepts.segmentation import Segmenter
 from shapeconcepts.topology import TopologicalSpace
 from shapeconcepts.topology.annexations import order_of_edges
@@ -111,10 +112,9 @@ def _fit_ensemble(
         object_names=tuple(name for i, name in enumerate(description["scan_names"]) if i not in skipped),
     )
     ensemble._remember(dictionary, hierarchies)
-    require(
-        np.array_equal(ensemble.columns_, tensors["stimuli.sources"]),
-        "tensor stimuli.sources must name the columns that follow from the prototypes",
-    )
+    if ensemble.columns == "motifs":
+        # To find out anew which motifs are columns takes longer than all the rest of loading.
+        ensemble._field = MotifField(hierarchies, tensors["stimuli.sources"], float(ensemble.bandwidth))
 
 
 def _stimuli(tensors: Tensors) -> csr_matrix:
