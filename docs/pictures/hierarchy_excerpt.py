@@ -13,7 +13,7 @@ from shapeconcepts.motifs.decomposition import decompose, segments_in
 from shapeconcepts.motifs.ensemble import MotifHierarchyEnsemble
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.hierarchy_kernels import linked_vertices
-from shapeconcepts.motifs.propagation import Propagation, propagate
+from shapeconcepts.motifs.propagation import Propagation, decompose_object, propagate
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 Pair = tuple[int, int]
@@ -78,7 +78,7 @@ def excerpt_of(
     """
     known = ensemble.hierarchies_
     described = describe(segmented, descriptor)
-    propagation = propagate(described, ensemble.dictionary_)
+    (propagation,) = propagate([decompose_object(described)], ensemble.dictionary_)
     vertices = known.activated(propagation.words)[:, dictionary_level - 1]
     activated = {int(vertex) for vertex in vertices[vertices >= 0]}
     vertex_of = {

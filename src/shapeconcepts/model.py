@@ -31,6 +31,7 @@ from shapeconcepts.scan import ScanError
 from shapeconcepts.segmentation import SegmentedObject, Segmenter
 
 PRESETS = ("default", "paper")
+STAGES = ("segmenter", "descriptor", "ensemble", "filtration", "response")
 
 
 class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimator):
@@ -329,9 +330,9 @@ def load_model(path: str | PathLike[str]) -> ShapeConceptModel:
         If there is no such file, it is no model, damaged, or newer or older than this version can read.
     """
     state = read_state(path)
-    stages = {name: getattr(state, name) for name in ("segmenter", "descriptor", "ensemble", "filtration")}
+    stages: Any = {name: getattr(state, name) for name in STAGES}
     model = ShapeConceptModel(**{name: clone(stage, safe=False) for name, stage in stages.items()})
-    return model.set_params(response=clone(state.response))._remember(state)
+    return model._remember(state)
 
 
 def _spread(rows: csr_matrix, described: list[DescribedObject | None]) -> csr_matrix:

@@ -14,6 +14,7 @@ from shapeconcepts.descriptors.segment_kernels import size_of_segments
 from shapeconcepts.descriptors.segment_labels import checked_labels
 from shapeconcepts.descriptors.surflet_kernels import accumulate_relations, largest_distance
 from shapeconcepts.geometry.canonical_frame import canonical_coordinates
+from shapeconcepts.geometry.neighbour_kernels import ends_of_runs
 from shapeconcepts.geometry.neighbours import sorting_order
 from shapeconcepts.geometry.surface import checked_surface
 from shapeconcepts.parameters import check_parameters, choice
@@ -108,8 +109,8 @@ def _average_cells(
     size = cells.max(axis=0) + 1
     keys = ((labels * size[0] + cells[:, 0]) * size[1] + cells[:, 1]) * size[2] + cells[:, 2]
     order = sorting_order(keys)
-    starts = np.flatnonzero(np.diff(keys[order], prepend=-1))
-    counts = np.diff(starts, append=len(keys))
+    ends = ends_of_runs(keys[order])
+    starts, counts = ends[:-1], np.diff(ends)
     means, normal_sums = (
         np.add.reduceat(vectors.T[:, order], starts, axis=1) / counts for vectors in (offsets, normals)
     )

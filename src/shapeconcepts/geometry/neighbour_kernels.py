@@ -13,6 +13,55 @@ from shapeconcepts.kernels import kernel
 
 
 @kernel
+def cells_of(coordinates: NDArray[np.float64], width: float) -> NDArray[np.float64]:
+    """Cell of each point along each axis, (d, m), counted in whole numbers from the lowest point."""
+    cells = np.empty_like(coordinates)
+    for axis in range(len(coordinates)):
+        lowest = np.inf
+        for i in range(coordinates.shape[1]):
+            lowest = min(lowest, coordinates[axis, i])
+        for i in range(coordinates.shape[1]):
+            cells[axis, i] = np.floor((coordinates[axis, i] - lowest) / width)
+    return cells
+
+
+@kernel
+def keys_of(cells: NDArray[np.float64], reach: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Number of each cell, ``strides @ cell``, and the strides.
+
+    Parameters
+    ----------
+    cells : (3, m) float64
+        Whole numbers, not negative.
+    reach : int
+        Empty cells between lines, that keep the end of one from touching the start of the next.
+    """
+    size = np.ones(3, np.int64)
+    for axis in range(3):
+        for i in range(cells.shape[1]):
+            size[axis] = max(size[axis], np.int64(cells[axis, i]) + 1)
+    strides = np.array([(size[1] + reach) * (size[2] + reach), size[2] + reach, 1])
+    keys = np.empty(cells.shape[1], np.int64)
+    for i in range(cells.shape[1]):
+        keys[i] = (
+            np.int64(cells[0, i]) * strides[0] + np.int64(cells[1, i]) * strides[1] + np.int64(cells[2, i])
+        )
+    return keys, strides
+
+
+@kernel
+def ends_of_runs(keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Where runs of equal numbers start and end: run i is ``keys[ends[i]:ends[i + 1]]``, (runs + 1,)."""
+    ends = np.zeros(len(keys) + 1, np.int64)
+    n_runs = 0
+    for i in range(len(keys)):
+        if i + 1 == len(keys) or keys[i + 1] != keys[i]:
+            n_runs += 1
+            ends[n_runs] = i + 1
+    return ends[: n_runs + 1]
+
+
+@kernel
 def cell_candidates(
     coordinates: NDArray[np.float64],
     keys: NDArray[np.int64],

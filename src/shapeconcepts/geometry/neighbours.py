@@ -7,7 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.geometry.neighbour_kernels import cell_candidates, neighbour_lists, renumber
+from shapeconcepts.geometry.neighbour_kernels import (
+    cell_candidates,
+    cells_of,
+    ends_of_runs,
+    keys_of,
+    neighbour_lists,
+    renumber,
+)
 
 
 class Neighbours(NamedTuple):
@@ -94,7 +101,7 @@ def cell_grid(points: NDArray[np.float64], radius: float, reach: int = 1) -> Cel
     keys, strides = _cell_keys(coordinates, radius / reach, reach)
     order = sorting_order(keys)
     coordinates, keys = np.take(coordinates, order, axis=1), keys[order]
-    cells = np.append(np.flatnonzero(np.diff(keys, prepend=-1)), len(keys))
+    cells = ends_of_runs(keys)
     return CellGrid(
         order, coordinates, cells, *cell_candidates(coordinates, keys, cells, strides, reach, float(radius))
     )
@@ -119,17 +126,11 @@ def _cell_keys(
     coordinates: NDArray[np.float64], width: float, reach: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Number the cells so that those up to `reach` apart, and no others, differ by sums of strides."""
-    if coordinates.shape[1] == 0:
-        return np.empty(0, np.int64), np.ones(3, np.int64)
     # A hair wider than asked for, or rounding could put two neighbours a cell too far apart.
-    cells = np.floor((coordinates - coordinates.min(axis=1, keepdims=True)) / (width * (1 + 1e-6)))
-    if cells.max() > 2**20 - 2 - reach:
+    cells = cells_of(coordinates, width * (1 + 1e-6))
+    if cells.size and cells.max() > 2**20 - 2 - reach:
         cells = np.stack([_close_gaps(axis, reach) for axis in cells])
-    # Empty cells between lines keep the end of one from touching the start of the next.
-    size = cells.max(axis=1).astype(np.int64) + 1 + reach
-    strides = np.array([size[1] * size[2], size[2], 1])
-    x, y, z = cells.astype(np.int64)
-    return x * strides[0] + y * strides[1] + z, strides
+    return keys_of(cells, reach)
 
 
 def _close_gaps(cells: NDArray[np.float64], reach: int) -> NDArray[np.float64]:

@@ -18,7 +18,7 @@ from shapeconcepts.descriptors.described_object import DescribedObject
 from shapeconcepts.motifs.dictionary import SegmentDictionary
 from shapeconcepts.motifs.explanation import Explanation, explain
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
-from shapeconcepts.motifs.propagation import propagate
+from shapeconcepts.motifs.propagation import DecomposedObject, decompose_object, propagate
 from shapeconcepts.motifs.prototype_stimuli import PrototypeField
 from shapeconcepts.motifs.stimuli import Activation, MotifField, sparse_rows
 from shapeconcepts.parallel import map_in_order
@@ -165,9 +165,10 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         objects = _checked_objects(X)
         if not objects:
             raise ValueError("X must hold at least one object, got none")
-        dictionary = self._fitted_dictionary(objects)
-        n_bins = objects[0].description.n_bins
-        return self._learn(objects, dictionary, MotifHierarchies.empty(len(dictionary.words_), n_bins))
+        decomposed = _decomposed(objects)
+        dictionary = self._fitted_dictionary(decomposed)
+        nothing_seen = MotifHierarchies.empty(len(dictionary.words_), objects[0].description.n_bins)
+        return self._learn(decomposed, dictionary, nothing_seen)
 
     def partial_fit(self, X: Iterable[DescribedObject], y: object = None) -> MotifHierarchyEnsemble:
         """Add objects to what was learned before; the dictionary stays as it is.
@@ -185,7 +186,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         objects = _checked_objects(X)
         if not objects:
             raise ValueError("X must hold at least one object, got none")
-        return self._learn(objects, self.dictionary_, self.hierarchies_)
+        return self._learn(_decomposed(objects), self.dictionary_, self.hierarchies_)
 
     def transform(self, X: Iterable[DescribedObject]) -> csr_matrix:
         """Stimuli of objects; what was learned does not change.
@@ -207,7 +208,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
             If X holds something else, or an object has more than 16 segments or other histograms.
         """
         check_is_fitted(self, "hierarchies_")
-        propagations = [propagate(one, self.dictionary_) for one in _checked_objects(X)]
+        propagations = propagate(_decomposed(_checked_objects(X)), self.dictionary_)
         return self._output(
             self._stimuli([(p.histograms, self.hierarchies_.activated(p.words), -1) for p in propagations])
         )
@@ -231,8 +232,8 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
             for each column of the row.
         """
         check_is_fitted(self, "hierarchies_")
-        (described,) = _checked_objects([X])
-        return explain(propagate(described, self.dictionary_), self.field_)
+        (propagation,) = propagate(_decomposed(_checked_objects([X])), self.dictionary_)
+        return explain(propagation, self.field_)
 
     def get_feature_names_out(self, input_features: object = None) -> NDArray[np.object_]:
         """Names of the columns.
@@ -286,9 +287,9 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         return self._training_stimuli
 
     def _learn(
-        self, objects: list[DescribedObject], dictionary: SegmentDictionary, hierarchies: MotifHierarchies
+        self, objects: list[DecomposedObject], dictionary: SegmentDictionary, hierarchies: MotifHierarchies
     ) -> MotifHierarchyEnsemble:
-        propagations = [propagate(one, dictionary) for one in objects]
+        propagations = propagate(objects, dictionary)
         return self._remember(
             dictionary, hierarchies.with_objects(propagations, [one.name for one in objects])
         )
@@ -304,12 +305,11 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         self._field = self._training_stimuli = None
         return self
 
-    def _fitted_dictionary(self, objects: list[DescribedObject]) -> SegmentDictionary:
+    def _fitted_dictionary(self, objects: list[DecomposedObject]) -> SegmentDictionary:
         if self.dictionary is not None and hasattr(self.dictionary, "words_"):
             return self.dictionary
-        segments = [one.description.histograms(1 << np.arange(one.n_segments)) for one in objects]
         dictionary: SegmentDictionary = self._stage("dictionary")
-        return dictionary.fit(np.concatenate(segments))
+        return dictionary.fit(np.concatenate([one.segment_histograms for one in objects]))
 
     def _stimuli(self, activations: list[Activation]) -> csr_matrix:
         # The kernels run without Python's lock, so threads do, and nothing is copied.
@@ -320,6 +320,10 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         # scikit-learn makes data frames of dense matrices only.
         is_plain = _get_output_config("transform", self)["dense"] == "default"
         return rows if is_plain else rows.toarray()
+
+
+def _decomposed(objects: list[DescribedObject]) -> list[DecomposedObject]:
+    return [decompose_object(one) for one in objects]
 
 
 def _checked_objects(X: Iterable[DescribedObject]) -> list[DescribedObject]:
