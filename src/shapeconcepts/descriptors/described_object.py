@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.descriptors.protocol import Description, Descriptor
 from shapeconcepts.descriptors.registry import DEFAULT, get_descriptor
+from shapeconcepts.geometry.origin import nearest_tile
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 
@@ -51,7 +52,8 @@ def describe(segmented: SegmentedObject, descriptor: str | Descriptor = DEFAULT)
         If the descriptor is unknown, returns something else than a `Description`, or describes another number
         of segments than there are, or by histograms that are negative or not finite.
     """
-    description = get_descriptor(descriptor).describe(segmented)
+    points = segmented.points - nearest_tile(segmented.points)
+    description = get_descriptor(descriptor).describe(replace(segmented, points=points))
     if not isinstance(description, Description):
         raise ValueError(f"descriptor must return a Description, got {type(description).__name__}")
     if description.n_segments != segmented.n_segments:

@@ -111,8 +111,6 @@ def cell_candidates(
             low_x, high_x = min(low_x, coordinates[0, i] - x), max(high_x, coordinates[0, i] - x)
             low_y, high_y = min(low_y, coordinates[1, i] - y), max(high_y, coordinates[1, i] - y)
             low_z, high_z = min(low_z, coordinates[2, i] - z), max(high_z, coordinates[2, i] - z)
-        x, y, z = x + (low_x + high_x) / 2, y + (low_y + high_y) / 2, z + (low_z + high_z) / 2
-        half_x, half_y, half_z = (high_x - low_x) / 2, (high_y - low_y) / 2, (high_z - low_z) / 2
         for across_x in range(2 * reach + 1):
             for across_y in range(2 * reach + 1):
                 # Keys rise from cell to cell, so the start of the range only ever moves forward.
@@ -135,12 +133,12 @@ def cell_candidates(
                 # count: no branch to mispredict.
                 first, n = np.uint64(low), high - low
                 for k in range(n):
-                    dx = abs(coordinates[0, first + np.uint64(k)] - x) - half_x
-                    dy = abs(coordinates[1, first + np.uint64(k)] - y) - half_y
-                    dz = abs(coordinates[2, first + np.uint64(k)] - z) - half_z
-                    dx = dx if dx > 0.0 else 0.0
-                    dy = dy if dy > 0.0 else 0.0
-                    dz = dz if dz > 0.0 else 0.0
+                    dx = coordinates[0, first + np.uint64(k)] - x
+                    dy = coordinates[1, first + np.uint64(k)] - y
+                    dz = coordinates[2, first + np.uint64(k)] - z
+                    dx = max(low_x - dx, dx - high_x, 0.0)
+                    dy = max(low_y - dy, dy - high_y, 0.0)
+                    dz = max(low_z - dz, dz - high_z, 0.0)
                     is_near[k] = dx * dx + dy * dy + dz * dz <= squared_radius
                 for k in range(np.uint64(n)):
                     candidates[count] = first + k
@@ -206,25 +204,50 @@ def neighbour_lists(
 def renumber(
     indptr: NDArray[np.int64], indices: NDArray[np.int32], order: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
-    """Neighbour lists in the numbering of `order`, each list sorted."""
+    """Neighbour lists in the numbering of `order`, each list sorted.
+
+    Lists that are not mutual are turned around: whoever names a point is in its list.
+    """
     m = len(order)
     number = order.astype(np.uint32)  # unsigned: no test for counting from the end
     place = np.empty(m, np.int64)
-    starts = np.zeros(m + 1, np.int64)
+    lengths = np.empty(m, np.int64)
     for i in range(m):
         place[order[i]] = i
-        starts[order[i] + 1] = indptr[i + 1] - indptr[i]
+        lengths[order[i]] = indptr[i + 1] - indptr[i]
+    starts, renumbered, is_mutual = _handed_out(indptr, indices, number, place, lengths)
+    if not is_mutual:
+        lengths[:] = 0
+        for k in range(len(indices)):
+            lengths[number[indices[k]]] += 1
+        starts, renumbered, _ = _handed_out(indptr, indices, number, place, lengths)
+    return starts, renumbered
+
+
+@kernel
+def _handed_out(
+    indptr: NDArray[np.int64],
+    indices: NDArray[np.int32],
+    number: NDArray[np.uint32],
+    place: NDArray[np.int64],
+    lengths: NDArray[np.int64],
+) -> tuple[NDArray[np.int64], NDArray[np.int32], bool]:
+    """Each point, in rising order, handed to its neighbours, which sorts every list; and if all lists fit."""
+    m = len(place)
+    starts = np.zeros(m + 1, np.int64)
     for a in range(m):
-        starts[a + 1] += starts[a]
+        starts[a + 1] = starts[a] + lengths[a]
     end = starts[:-1].astype(np.uint64)
+    limit = starts[1:].astype(np.uint64)
     renumbered = np.empty_like(indices)
-    # The relation is symmetric: handing each point, in rising order, to its neighbours sorts every list.
     for a in range(m):
         for k in range(np.uint64(indptr[place[a]]), np.uint64(indptr[place[a] + 1])):
             b = number[np.uint32(indices[k])]
+            if end[b] == limit[b]:
+                return starts, renumbered, False
             renumbered[end[b]] = a
             end[b] += np.uint64(1)
-    return starts, renumbered
+    return starts, renumbered, True
 
 
 @kernel

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from shapeconcepts.geometry.neighbour_kernels import restrict
 from shapeconcepts.geometry.neighbours import Neighbours, radius_neighbours
 from shapeconcepts.geometry.normal_kernels import principal_component_normals
+from shapeconcepts.geometry.origin import nearest_tile
 from shapeconcepts.parameters import check_length
 from shapeconcepts.preparation.prepared_object import PreparedObject
 from shapeconcepts.preparation.sensor_direction import estimate_viewpoint, orient_normals
@@ -18,6 +19,8 @@ from shapeconcepts.sources.conversion import as_scan
 
 NEIGHBOUR_RADIUS = 3.0
 STRAY_ROUNDS = 2
+# Metres.
+LARGEST = 1e9
 
 
 def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject:
@@ -41,7 +44,7 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
     Raises
     ------
     ScanError
-        If the scan is none, has no finite point, or its coordinates are too large to compute with.
+        If the scan is none, has no finite point, or its coordinates or viewpoint are too far to compute with.
     ValueError
         If `voxel_size` is neither "auto" nor a positive number.
     """
@@ -54,10 +57,14 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
     name = scan.name or "scan"
     if len(points) == 0:
         raise ScanError(f"{name}: none of its {len(finite)} points is finite")
-    if np.abs(points).max() > 1e9:
+    if np.abs(points).max() > LARGEST:
         raise ScanError(
             f"{name}: coordinates up to {np.abs(points).max():.3g}, expected metres (at most 1e9)"
         )
+    if scan.viewpoint is not None and np.abs(scan.viewpoint).max() > LARGEST:
+        raise ScanError(f"{name}: viewpoint {scan.viewpoint.tolist()}, expected metres (at most 1e9)")
+    origin = nearest_tile(points)
+    points = points - origin
     grid = voxel_grid(points, voxel_size) if isinstance(voxel_size, float) else adaptive_voxel_grid(points)
     neighbours = radius_neighbours(grid.points, NEIGHBOUR_RADIUS * grid.voxel_size)
     for _ in range(STRAY_ROUNDS):
@@ -70,13 +77,14 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
         grid = _without(grid, stray, kept)
         neighbours = Neighbours(*restrict(*neighbours, ~stray))
     normals = principal_component_normals(grid.points, neighbours.indptr, neighbours.indices)
-    viewpoint = scan.viewpoint
-    if viewpoint is None:
+    if scan.viewpoint is None:
         viewpoint, _ = estimate_viewpoint(points, grid.points, normals)
+    else:
+        viewpoint = scan.viewpoint - origin
     point_to_voxel = np.full(len(scan.points), -1, np.int32)
     point_to_voxel[finite] = grid.point_to_voxel
     return PreparedObject(
-        points=grid.points,
+        points=grid.points + origin,
         normals=orient_normals(grid.points, normals, viewpoint),
         point_to_voxel=point_to_voxel,
         neighbours=neighbours,

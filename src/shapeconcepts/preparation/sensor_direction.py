@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.preparation.pixel_lattice import order_free_sample, viewpoint_from_pixel_lattice
+from shapeconcepts.preparation.pixel_lattice import viewpoint_from_pixel_lattice
 
 _N_DIRECTIONS = 300
 _N_FINER_DIRECTIONS = 60
@@ -33,7 +33,7 @@ def estimate_viewpoint(
     points : (n, 3) float64
         Finite points of one object as measured, n >= 1.
     voxel_points : (m, 3) float64
-        Points with normals on the same object, m >= 1.
+        Points with normals on the same object, m >= 1, in an order that does not depend on how it stands.
     normals : (m, 3) float64
         Unit normals of `voxel_points`; their signs do not matter.
 
@@ -77,7 +77,8 @@ def _viewpoint_from_surface(
     """
     centre = points.mean(axis=0)
     radius = float(np.linalg.norm(points - centre, axis=1).mean()) or 1.0
-    rows = order_free_sample(points, _N_VOXELS)
+    # Spread over the object, as the cells of the voxel grid come one after the other: the same wherever it stands.
+    rows = np.linspace(0, len(points) - 1, min(_N_VOXELS, len(points))).astype(np.int64)
     offsets, normals = (points[rows] - centre) / radius, normals[rows]
 
     direction, outwardness = _best_direction(_hemisphere(), offsets, normals)

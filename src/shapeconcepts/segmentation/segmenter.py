@@ -8,6 +8,7 @@ import numpy as np
 from sklearn.base import BaseEstimator
 
 from shapeconcepts.geometry.neighbours import Neighbours
+from shapeconcepts.geometry.origin import nearest_tile
 from shapeconcepts.parameters import check_parameters, choice, positive_number, share, whole_number
 from shapeconcepts.preparation import PreparedObject, prepare
 from shapeconcepts.segmentation.region_merging import absorb_small
@@ -88,7 +89,7 @@ class Segmenter(BaseEstimator):
         """
         check_parameters(self)
         prepared = scan if isinstance(scan, PreparedObject) else prepare(scan, voxel_size=self.voxel_size)
-        points, voxel = prepared.points, prepared.voxel_size
+        points, voxel = prepared.points - nearest_tile(prepared.points), prepared.voxel_size
         neighbours = prepared.neighbours
         adjacency = Neighbours(*closer_neighbours(points, *neighbours, ADJACENCY_RADIUS * voxel))
 
@@ -102,7 +103,7 @@ class Segmenter(BaseEstimator):
             adjacency, regions, weights, self.min_share, self.min_voxels, self.max_segments
         )
         return SegmentedObject(
-            points=points,
+            points=prepared.points,
             normals=prepared.normals,
             patch_labels=inherit_patches(*adjacency, patches, segments),
             segment_labels=segments,
