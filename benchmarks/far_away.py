@@ -2,9 +2,9 @@
 
     NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=/tmp/checked python benchmarks/far_away.py [folder] [--clouds N]
 
-Small clouds of all kinds of degeneracy are segmented and described at each offset; nothing but a ScanError may
-come out. The scans of a folder are rounded to 1 mm, as in a text file, and moved: the labels of their points must
-be those at the origin. With NUMBA_BOUNDSCHECK=1, kernels check every index; their cache must then be another one.
+Small clouds of all kinds of degeneracy are segmented and described; nothing but a ScanError may come out. The
+scans of a folder are rounded to 1 mm, as in a text file, and moved: their points must have the same labels as
+at the origin. With NUMBA_BOUNDSCHECK=1, kernels check every index; their cache must then be another one.
 """
 
 import warnings
@@ -28,7 +28,7 @@ PLACES = {
 
 
 def small_cloud(random: np.random.Generator) -> NDArray[np.float64]:
-    """Up to 60 points: at random, on a plane or line or lattice, in clumps, repeated; at any offset and scale."""
+    """Up to 60 points: at random, flat, on a line or lattice, in clumps, repeated; of any size, anywhere."""
     n = int(random.integers(1, 60))
     points = random.normal(size=(n, 3))
     kind = random.integers(7)
@@ -78,9 +78,7 @@ def main() -> None:
         shares = []
         for scan in scans:
             points = np.rint(1e3 * scan.points) / 1e3
-            there, here = (
-                segment(Scan(cloud)) for cloud in (np.rint(1e3 * (points + offset)) / 1e3, points)
-            )
+            there, here = (segment(Scan(cloud)) for cloud in (np.rint(1e3 * (points + offset)) / 1e3, points))
             labels = [one.segment_labels[one.point_to_voxel] for one in (there, here)]
             share = np.mean(labels[0] == labels[1])
             same += share == 1.0

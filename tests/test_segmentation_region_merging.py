@@ -1,12 +1,18 @@
 """Absorbing small segments, and the edges between segments."""
 
+import tracemalloc
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shapeconcepts.geometry.neighbours import radius_neighbours
-from shapeconcepts.segmentation.linkage_kernels import border_lengths
-from shapeconcepts.segmentation.region_merging import MIN_BORDER, MIN_MEAN_SHARE, absorb_small
+from shapeconcepts.segmentation.region_merging import (
+    MIN_BORDER,
+    MIN_MEAN_SHARE,
+    absorb_small,
+    border_lengths,
+)
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -140,6 +146,18 @@ def test_no_segments_at_all():
 def test_borders_agree_with_counting(seed, n_regions):
     adjacency, labels, _ = mosaic(seed, n_regions)
     pairs, n = pairs_of(adjacency), labels.max() + 1
-    lengths = border_lengths(*adjacency, labels)
-    expected = [[border(pairs, labels, a, b) if a != b else 0 for b in range(n)] for a in range(n)]
-    assert lengths.tolist() == expected
+    expected = [
+        {b: length for b in range(n) if b != a and (length := border(pairs, labels, a, b))} for a in range(n)
+    ]
+    assert border_lengths(adjacency, labels) == expected
+
+
+def test_a_segment_for_each_of_many_voxels_takes_no_square_of_memory():
+    n = 20_000
+    adjacency = radius_neighbours(strip(n)[0], 1.1)
+    tracemalloc.start()
+    absorbed, _ = absorb_small(adjacency, np.arange(n, dtype=np.int32), np.ones(n, int), 0.04, 25, 12)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert 1 <= absorbed.max() + 1 <= 12
+    assert peak < 1000 * n

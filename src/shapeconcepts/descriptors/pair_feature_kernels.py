@@ -15,6 +15,8 @@ CENTRE = N_BINS // 2
 _ZERO, _ONE = np.float32(0.0), np.float32(1.0)
 # A connection this close to the normal (sine below 1e-3) spans no plane with it in single precision.
 _PARALLEL = np.float32(1e-6)
+# Squared radii: closer than this, distances are the rounding of coordinates.
+_COINCIDENT = np.float32(1e-14)
 _HALF_BINS, _LAST_BIN = np.float32(N_BINS / 2), np.float32(N_BINS - 1)
 _NOT_COUNTED = np.int32(N_BINS)
 # Cotangents of the borders of theta's bins on the side of positive angles.
@@ -67,9 +69,10 @@ def pair_bins(
         other = -near if swapped else far
         triple = (dy * nz - dz * ny) * mx + (dz * nx - dx * nz) * my + (dx * ny - dy * nx) * mz
         squared_across = squared_distance - along * along
-        flat = squared_across <= _PARALLEL * squared_distance
+        coincident = squared_distance <= _COINCIDENT
+        flat = coincident | (squared_across <= _PARALLEL * squared_distance)
         across = math.sqrt(squared_across)
-        inverse = _ONE / squared_distance
+        inverse = _ONE / max(squared_distance, _COINCIDENT)
         alpha = _ZERO if flat else triple / across
         phi = _ZERO if flat else along * math.sqrt(inverse)
         turn = _ZERO if flat else other - cosine * along
@@ -83,11 +86,11 @@ def pair_bins(
         beyond = squared_distance > _ONE
         theta_bin = CENTRE + passed if turn > _ZERO else CENTRE - passed
         alpha_bin = np.int32(min(_LAST_BIN, max(_ZERO, _HALF_BINS + _HALF_BINS * alpha)))
-        phi_bin = np.int32(min(_LAST_BIN, _HALF_BINS + _HALF_BINS * phi))
+        phi_bin = np.int32(min(_LAST_BIN, max(_ZERO, _HALF_BINS + _HALF_BINS * phi)))
         bins[0, k] = np.uint8(_NOT_COUNTED if beyond else np.int32(theta_bin))
         bins[1, k] = np.uint8(_NOT_COUNTED if beyond else alpha_bin)
         bins[2, k] = np.uint8(_NOT_COUNTED if beyond else phi_bin)
-        weights[k] = _ZERO if beyond | (squared_distance <= _ZERO) else inverse
+        weights[k] = _ZERO if beyond | coincident else inverse
 
 
 @kernel
@@ -140,7 +143,7 @@ def pair_weights(
     for k in range(n):
         dx, dy, dz = nearby[0, k] - x, nearby[1, k] - y, nearby[2, k] - z
         squared_distance = dx * dx + dy * dy + dz * dz
-        ignored = (squared_distance > _ONE) | (squared_distance <= _ZERO)
+        ignored = (squared_distance > _ONE) | (squared_distance <= _COINCIDENT)
         weights[k] = _ZERO if ignored else _ONE / (_ONE if ignored else squared_distance)
 
 

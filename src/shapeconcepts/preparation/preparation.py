@@ -17,7 +17,8 @@ from shapeconcepts.preparation.voxel_grid import VoxelGrid, adaptive_voxel_grid,
 from shapeconcepts.scan import ScanError
 from shapeconcepts.sources.conversion import as_scan
 
-NEIGHBOUR_RADIUS = 3.0
+# A hair more than 3: points on whole millimetres are often just 3 voxels apart, and rounding must not decide.
+NEIGHBOUR_RADIUS = 3.000003
 STRAY_ROUNDS = 2
 # Metres.
 LARGEST = 1e9

@@ -77,7 +77,7 @@ def _viewpoint_from_surface(
     """
     centre = points.mean(axis=0)
     radius = float(np.linalg.norm(points - centre, axis=1).mean()) or 1.0
-    # Spread over the object, as the cells of the voxel grid come one after the other: the same wherever it stands.
+    # Spread over the object, as neighbours follow each other; and the same points wherever it stands.
     rows = np.linspace(0, len(points) - 1, min(_N_VOXELS, len(points))).astype(np.int64)
     offsets, normals = (points[rows] - centre) / radius, normals[rows]
 

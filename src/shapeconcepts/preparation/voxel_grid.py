@@ -13,6 +13,8 @@ from shapeconcepts.geometry.point_kernels import centroid, sorted_by_cell
 
 KINECT_VOXEL_SIZE = 0.005
 POINTS_PER_VOXEL = 3.5
+# Metres.
+_SMALLEST_EXTENT = 1e-12
 
 
 class VoxelGrid(NamedTuple):
@@ -53,7 +55,8 @@ def adaptive_voxel_grid(points: NDArray[np.float64]) -> VoxelGrid:
     A mean over few points is as noisy as the points: the cells grow until they hold about 3.5 points each. As
     a Kinect's point spacing and its depth noise both grow with distance, this also averages away the noise of
     far objects, and it needs no knowledge of the sensor's position. Clouds whose extent shows that they are
-    no objects in metres (a diagonal outside 2 cm to 5 m) start from 1/60 of the extent.
+    no objects in metres (a diagonal outside 2 cm to 5 m) start from 1/60 of the extent; below a picometre it
+    is rounding, and they are one voxel.
 
     Parameters
     ----------
@@ -62,7 +65,7 @@ def adaptive_voxel_grid(points: NDArray[np.float64]) -> VoxelGrid:
     """
     coordinates = canonical_coordinates(points)
     extent = _robust_extent(coordinates)
-    voxel_size = KINECT_VOXEL_SIZE if 0.02 <= extent <= 5.0 or extent == 0.0 else extent / 60
+    voxel_size = KINECT_VOXEL_SIZE if 0.02 <= extent <= 5.0 or extent < _SMALLEST_EXTENT else extent / 60
     keys = cell_keys(coordinates, voxel_size)
     occupied = _count(keys)
     while len(points) < 0.9 * POINTS_PER_VOXEL * occupied and voxel_size < extent / 10:

@@ -72,21 +72,23 @@ def patch_borders(
 
 
 @kernel
-def border_lengths(
+def border_pairs(
     indptr: NDArray[np.int64], indices: NDArray[np.int32], labels: NDArray[np.int32]
 ) -> NDArray[np.int64]:
-    """Number of adjacent voxel pairs between every two segments: (n, n), symmetric, zero diagonal."""
-    n = labels.max() + 1
-    lengths = np.zeros((n, n), np.int64)
+    """Adjacent voxel pairs of two segments, each of them as the smaller label * n + the larger, (b,)."""
+    n = np.int64(labels.max()) + 1
+    pairs = np.empty(len(indices), np.int64)
+    count = 0
     for i in range(len(labels)):
         a = labels[i]
         if a < 0:
             continue
         for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
             b = labels[np.uint32(indices[k])]
-            if b >= 0 and b != a:
-                lengths[a, b] += 1
-    return lengths
+            if b > a:
+                pairs[count] = a * n + b
+                count += 1
+    return pairs[:count]
 
 
 @kernel

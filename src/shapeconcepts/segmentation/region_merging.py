@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from heapq import heapify, heappop, heappush
+
 import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.geometry.neighbours import Neighbours
-from shapeconcepts.segmentation.linkage_kernels import border_lengths
+from shapeconcepts.segmentation.linkage_kernels import border_pairs
 
 MIN_BORDER = 4
 MIN_MEAN_SHARE = 0.05
@@ -45,37 +47,63 @@ def absorb_small(
     edges : (e, 2) int32
         Pairs of segments that share a border of at least 4 adjacent voxel pairs.
     """
-    border = border_lengths(*adjacency, labels)
+    borders = border_lengths(adjacency, labels)
     members = labels >= 0
-    size = np.bincount(labels[members], minlength=len(border))
-    mass = np.bincount(labels[members], weights[members], minlength=len(border))
+    size = np.bincount(labels[members], minlength=len(borders)).tolist()
+    mass = np.bincount(labels[members], weights[members], minlength=len(borders)).tolist()
     min_mass = min_share * weights.sum()
     min_product = MIN_MEAN_SHARE**2 * weights.sum() * len(labels)
-    target = np.arange(len(border))
-    alive = list(range(len(border)))
-    while len(alive) > 1:
-        small = [
-            s
-            for s in alive
-            if size[s] < min_voxels or (mass[s] < min_mass and mass[s] * size[s] < min_product)
-        ]
-        if not small and len(alive) <= max_segments:
-            break
-        smallest = min(small or alive, key=lambda s: (size[s], -s))
-        alive.remove(smallest)
-        neighbour = int(np.argmax(border[smallest]))
-        if border[smallest, neighbour] == 0:
-            target[target == smallest] = -1
-            continue
-        target[target == smallest] = neighbour
-        size[neighbour] += size[smallest]
-        mass[neighbour] += mass[smallest]
-        border[neighbour] += border[smallest]
-        border[:, neighbour] += border[:, smallest]
-        border[neighbour, neighbour] = 0
-        border[smallest] = border[:, smallest] = 0
+
+    def is_small(s: int) -> bool:
+        return size[s] < min_voxels or (mass[s] < min_mass and mass[s] * size[s] < min_product)
+
+    merged_into: dict[int, int] = {}
+    alive = set(range(len(borders)))
+    # Segments only grow: none becomes small again once all are large.
+    for must_go in (is_small, lambda _: len(alive) > max_segments):
+        queue = [(size[s], -s) for s in alive if must_go(s)]
+        heapify(queue)
+        while queue and len(alive) > 1:
+            size_then, smallest = heappop(queue)
+            smallest = -smallest
+            if smallest not in alive or size[smallest] != size_then or not must_go(smallest):
+                continue
+            alive.remove(smallest)
+            if not borders[smallest]:
+                merged_into[smallest] = -1
+                continue
+            neighbour = max(borders[smallest], key=lambda s: (borders[smallest][s], -s))
+            merged_into[smallest] = neighbour
+            size[neighbour] += size[smallest]
+            mass[neighbour] += mass[smallest]
+            heappush(queue, (size[neighbour], -neighbour))
+            for other, length in borders[smallest].items():
+                del borders[other][smallest]
+                if other != neighbour:
+                    borders[neighbour][other] = borders[other][neighbour] = length + borders[neighbour].get(
+                        other, 0
+                    )
     ranked = sorted(alive, key=lambda s: (-size[s], s))
-    rank = np.full(len(border) + 1, -1, np.int32)
+    rank = np.full(len(borders) + 1, -1, np.int32)
     rank[ranked] = np.arange(len(ranked))
-    edges = np.argwhere(np.triu(border[np.ix_(ranked, ranked)] >= MIN_BORDER))
-    return rank[np.append(target, -1)[labels]], edges.astype(np.int32)
+    # Whoever a segment went to went on later, if at all.
+    for segment, neighbour in reversed(merged_into.items()):
+        rank[segment] = rank[neighbour]
+    edges = [
+        sorted((int(rank[a]), int(rank[b])))
+        for a in ranked
+        for b, length in borders[a].items()
+        if a < b and length >= MIN_BORDER
+    ]
+    return rank[labels], np.array(sorted(edges), np.int32).reshape(-1, 2)
+
+
+def border_lengths(adjacency: Neighbours, labels: NDArray[np.int32]) -> list[dict[int, int]]:
+    """For each segment, its neighbours with the number of adjacent voxel pairs."""
+    n = int(labels.max(initial=-1)) + 1
+    borders: list[dict[int, int]] = [{} for _ in range(n)]
+    pairs, lengths = np.unique(border_pairs(*adjacency, labels), return_counts=True)
+    for pair, length in zip(pairs.tolist(), lengths.tolist(), strict=True):
+        a, b = divmod(pair, n)
+        borders[a][b] = borders[b][a] = length
+    return borders

@@ -18,6 +18,8 @@ from shapeconcepts.segmentation.supervoxel_kernels import closer_neighbours, inh
 from shapeconcepts.segmentation.supervoxels import supervoxels
 
 ADJACENCY_RADIUS = 2.5
+# A hair more than 2: see NEIGHBOUR_RADIUS of the preparation.
+SMOOTHING_RADIUS = 2.000002
 SMOOTHING_ANGLE = np.radians(25.0)
 SMOOTHING_ROUNDS = 3
 
@@ -94,7 +96,7 @@ class Segmenter(BaseEstimator):
         adjacency = Neighbours(*closer_neighbours(points, *neighbours, ADJACENCY_RADIUS * voxel))
 
         normals = smooth_normals(
-            points, prepared.normals, *neighbours, 2 * voxel, SMOOTHING_ANGLE, SMOOTHING_ROUNDS
+            points, prepared.normals, *neighbours, SMOOTHING_RADIUS * voxel, SMOOTHING_ANGLE, SMOOTHING_ROUNDS
         )
         patches = supervoxels(points, normals, adjacency, voxel, max(float(self.seed_size), 4 * voxel))
         regions = super_patches(points, normals, adjacency, patches, voxel)
