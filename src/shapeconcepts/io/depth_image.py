@@ -12,11 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from shapeconcepts.io.cloud import Cloud
+from shapeconcepts.io.regular_file import read_regular_file
 from shapeconcepts.scan import ScanError
 
 # Focal lengths and principal point of a Kinect, pixels (the factory values that ROS and PCL assume).
 KINECT_INTRINSICS = (525.0, 525.0, 319.5, 239.5)
 KINECT_SIZE = (640, 480)
+# Pillow knows more, and starts other programs for some of them.
+DEPTH_FORMATS = ("PNG",)
+MASK_FORMATS = ("PNG", "BMP", "GIF", "JPEG", "PPM", "TIFF")
 # More pixels than any depth camera has.
 MOST_PIXELS = 2**23
 
@@ -49,7 +53,7 @@ def read_depth_image(
         if (width, height) != KINECT_SIZE:
             raise ScanError(f"is {width} x {height} pixels; intrinsics are needed for all but 640 x 480")
         intrinsics = KINECT_INTRINSICS
-    depth = _pixels(BytesIO(data))
+    depth = _pixels(data, DEPTH_FORMATS)
     measured = depth > 0
     if mask is not None:
         measured &= _mask(mask, (height, width))
@@ -75,9 +79,9 @@ def depth_image_size(data: bytes) -> tuple[int, int]:
     return width, height
 
 
-def _pixels(source: BytesIO | Path, shape: tuple[int, int] | None = None) -> NDArray:
+def _pixels(data: bytes, formats: tuple[str, ...], shape: tuple[int, int] | None = None) -> NDArray:
     try:
-        with Image.open(source, formats=["PNG"] if shape is None else None) as image:
+        with Image.open(BytesIO(data), formats=formats) as image:
             if shape is not None and image.size != shape[::-1]:
                 raise ScanError(
                     f"is {image.width} x {image.height} pixels, the depth image {shape[1]} x {shape[0]}"
@@ -92,7 +96,7 @@ def _pixels(source: BytesIO | Path, shape: tuple[int, int] | None = None) -> NDA
 def _mask(mask: Mask, shape: tuple[int, int]) -> NDArray[np.bool_]:
     if isinstance(mask, str | PathLike):
         try:
-            values = _pixels(Path(mask), shape)
+            values = _pixels(read_regular_file(Path(mask)), MASK_FORMATS, shape)
         except ScanError as error:
             raise ScanError(f"the mask {Path(mask)} {error}") from None
     else:

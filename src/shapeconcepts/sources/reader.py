@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import replace
 from os import PathLike
@@ -19,6 +20,7 @@ from shapeconcepts.io.mesh_text import read_obj, read_off
 from shapeconcepts.io.numpy_file import read_npy, read_npz
 from shapeconcepts.io.pcd import read_pcd
 from shapeconcepts.io.ply import read_ply
+from shapeconcepts.io.regular_file import read_regular_file
 from shapeconcepts.io.text_table import read_text_table
 from shapeconcepts.io.viewpoint import finite_rows
 from shapeconcepts.scan import Scan, ScanError
@@ -143,21 +145,16 @@ def _checked_position(viewpoint: ArrayLike) -> np.ndarray:
 
 
 def _content(path: Path, suffix: str) -> bytes:
-    if path.is_dir():
+    if os.path.isdir(path):
         raise ScanError(f"{path}: is a folder, read_scans reads those")
-    if not path.exists():
-        raise ScanError(f"{path}: there is no such file")
-    if suffix not in SCAN_SUFFIXES:
+    if suffix not in SCAN_SUFFIXES and os.path.exists(path):
         raise ScanError(
             f"{path}: the format {suffix or 'without a suffix'} is not known, only {' '.join(SCAN_SUFFIXES)}"
         )
-    # Reading from a pipe or a device may never end.
-    if not path.is_file():
-        raise ScanError(f"{path}: is not a regular file")
     try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise ScanError(f"{path}: cannot be read ({error.strerror})") from None
+        data = read_regular_file(path)
+    except ScanError as error:
+        raise ScanError(f"{path}: {error}") from None
     if not data:
         raise ScanError(f"{path}: is empty")
     return data
