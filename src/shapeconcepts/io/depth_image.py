@@ -13,6 +13,7 @@ from PIL import Image
 
 from shapeconcepts.io.cloud import Cloud
 from shapeconcepts.io.regular_file import read_regular_file
+from shapeconcepts.io.unpacking import check_unpacked
 from shapeconcepts.scan import ScanError
 
 # Focal lengths and principal point of a Kinect, pixels (the factory values that ROS and PCL assume).
@@ -57,14 +58,19 @@ def read_depth_image(
     measured = depth > 0
     if mask is not None:
         measured &= _mask(mask, (height, width))
-    rows, columns = np.nonzero(measured)
-    if len(rows) == 0:
+    n_points = int(np.count_nonzero(measured))
+    if n_points == 0:
         raise ScanError(
             "has no pixel with a depth" if mask is None else "has no pixel with a depth in its mask"
         )
+    check_unpacked(depth.nbytes, len(data), n_points)
+    rows, columns = np.nonzero(measured)
     fx, fy, cx, cy = intrinsics
-    z = depth[rows, columns] * depth_scale
-    return Cloud(np.column_stack([(columns - cx) / fx * z, (rows - cy) / fy * z, z]), np.zeros(3))
+    points = np.empty((len(rows), 3))
+    points[:, 2] = z = depth[rows, columns] * depth_scale
+    points[:, 0] = (columns - cx) / fx * z
+    points[:, 1] = (rows - cy) / fy * z
+    return Cloud(points, np.zeros(3))
 
 
 def depth_image_size(data: bytes) -> tuple[int, int]:

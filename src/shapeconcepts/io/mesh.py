@@ -49,6 +49,11 @@ class Polygons:
         corners, sizes = np.frombuffer(self._corners, np.int64), np.frombuffer(self._sizes, np.int64)
         n_triangles = np.maximum(sizes - 2, 0)
         first = np.repeat(np.cumsum(sizes) - sizes, n_triangles)
-        within = np.arange(n_triangles.sum()) - np.repeat(np.cumsum(n_triangles) - n_triangles, n_triangles)
-        second = first + within + 1
-        return np.column_stack([corners[first], corners[second], corners[second + 1]])
+        triangles = np.empty((len(first), 3), np.int64)
+        triangles[:, 0] = corners[first]
+        # The place of each triangle in its face.
+        first += np.arange(len(first))
+        first -= np.repeat(np.cumsum(n_triangles) - n_triangles, n_triangles)
+        triangles[:, 1] = corners[first + 1]
+        triangles[:, 2] = corners[first + 2]
+        return triangles
