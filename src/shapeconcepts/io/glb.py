@@ -10,6 +10,7 @@ import json
 import struct
 from typing import Any
 
+from shapeconcepts.io.mesh import check_triangles
 from shapeconcepts.scan import ScanError
 
 MAGIC, JSON_CHUNK = 0x46546C67, 0x4E4F534A
@@ -21,9 +22,6 @@ TRIANGLE_STRIP = 5
 MOST_PARTS = 1024
 # The library walks from the scene to each node, one by one. Skeletons and assemblies have a few dozen levels.
 MOST_LEVELS = 64
-# What is held for each triangle takes a hundred times the byte that can stand for it in a file.
-MOST_TRIANGLES = 2**18
-BYTES_PER_TRIANGLE = 4
 # A scene may use one array several times, but not without end.
 LARGEST_GROWTH = 16
 
@@ -120,12 +118,7 @@ def _check_scene(scene: dict[str, Any], file_size: int) -> None:
         sum(_n_triangles(primitive, counts) for primitive in mesh["primitives"]) for mesh in scene["meshes"]
     ]
     n_triangles = max(sum(triangles), sum(triangles[node["mesh"]] for node in nodes if "mesh" in node))
-    most_triangles = max(MOST_TRIANGLES, file_size // BYTES_PER_TRIANGLE)
-    if n_triangles > most_triangles:
-        raise ScanError(
-            f"describes {n_triangles} triangles in {file_size} bytes of file, at most {most_triangles} are "
-            "supported"
-        )
+    check_triangles(n_triangles, file_size)
     n_parts = max(len(nodes), len(placed), sum(len(mesh) for mesh in meshes))
     if n_parts > MOST_PARTS:
         raise ScanError(f"has {n_parts} parts, at most {MOST_PARTS} are supported")

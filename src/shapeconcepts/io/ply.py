@@ -70,10 +70,10 @@ def read_ply(data: bytes) -> Cloud | Mesh:
 
     if byte_order == "=":
         columns, lines = _ascii_vertices(data[body:], elements, vertex)
-        faces = None if face is None else _ascii_faces(lines, face)
+        faces = None if face is None else _ascii_faces(lines, face).triangles(len(data))
     else:
         columns, offset = _binary_vertices(data, body, elements, vertex)
-        faces = None if face is None else _binary_faces(data, offset, face, byte_order)
+        faces = None if face is None else _binary_faces(data, offset, face, byte_order).triangles(len(data))
     points = np.column_stack([columns[axis].astype(np.float64) for axis in "xyz"])
     if faces is not None:
         return Mesh(points, faces)
@@ -193,7 +193,7 @@ def _ascii_vertices(
     return columns, lines[end:]
 
 
-def _ascii_faces(lines: list[str], face: _Element) -> NDArray[np.int64]:
+def _ascii_faces(lines: list[str], face: _Element) -> Polygons:
     if face.n_rows > len(lines):
         raise _truncated(face)
     lines = lines[: face.n_rows]
@@ -215,10 +215,10 @@ def _ascii_faces(lines: list[str], face: _Element) -> NDArray[np.int64]:
         except (ValueError, IndexError):
             raise ScanError(f"has the face {line[:60]!r}, which does not fit the header") from None
         polygons.append(corners)
-    return polygons.triangles()
+    return polygons
 
 
-def _binary_faces(data: bytes, offset: int, face: _Element, byte_order: str) -> NDArray[np.int64]:
+def _binary_faces(data: bytes, offset: int, face: _Element, byte_order: str) -> Polygons:
     # An edge is no face, so the smallest rows bound the loop.
     smallest = sum(_smallest_size(field) for field in face.properties)
     if face.n_rows * smallest > len(data) - offset:
@@ -254,7 +254,7 @@ def _binary_faces(data: bytes, offset: int, face: _Element, byte_order: str) -> 
         raise
     except (ValueError, struct.error):
         raise _truncated(face) from None
-    return polygons.triangles()
+    return polygons
 
 
 def _smallest_size(field: _Property) -> int:

@@ -6,7 +6,7 @@ import os
 
 from shapeconcepts.scan import ScanError
 
-# An image of a depth camera, full HD left out. A file that has more bytes may hold as many points.
+# An image of most depth cameras. A file that has more bytes may hold as many points.
 MOST_POINTS = 1_000_000
 MOST_POINTS_VARIABLE = "SHAPECONCEPTS_MOST_POINTS"
 # Coordinates, normal and colour, in single precision; or coordinates and a label in double precision.

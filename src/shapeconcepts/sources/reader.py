@@ -68,6 +68,9 @@ def read_scan(
 
     Points stand as in the file, non-finite ones included; a depth image gives its pixels with a depth.
 
+    A compressed file may unpack to a million points of 32 bytes, or to as many points as it has bytes; the
+    environment variable SHAPECONCEPTS_MOST_POINTS sets another number instead of the million.
+
     Parameters
     ----------
     path : str or path
@@ -82,7 +85,7 @@ def read_scan(
         Of a depth image: focal lengths and principal point in pixels. A Kinect's (525, 525, 319.5, 239.5) for
         640 x 480 pixels, needed for any other size.
     mask : path or (height, width) or (height, width, channels) array-like, optional
-        Of a depth image: an image of its size, where the object is not 0 (in any colour channel; opacity does
+        Of a depth image: an image of its size (PNG, BMP, GIF, JPEG, PPM or TIFF), where the object is not 0 (in any colour channel; opacity does
         not count).
     depth_scale : float
         Of a depth image: metres per unit, by default 0.001 (millimetres).
