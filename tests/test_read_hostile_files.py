@@ -102,7 +102,7 @@ def test_limit_that_is_no_number(tmp_path, monkeypatch, text):
         ("a.pcd", lambda: pcd(1_000_000), {}),
         ("a.npz", lambda: npz(points=np.ones(1_000_000, ONE_BYTE)), {}),
         ("a.npz", lambda: npz(points=np.ones((1_000_000, 3)), viewpoint=np.zeros(3)), {}),
-        ("a.npz", lambda: npz(points=np.ones((720, 1280, 3), np.float32), labels=np.ones((720, 1280), "u1")), {}),
+        ("a.npz", lambda: npz(points=np.ones((720, 1280, 3), "f4"), labels=np.ones((720, 1280), "u1")), {}),
         ("a.png", lambda: png(1280, 720), CAMERA),
     ],
 )  # fmt: skip

@@ -19,7 +19,7 @@ from shapeconcepts.sources import find_scan_files, read_scan, read_scans
 from shapeconcepts.sources.reader import SCAN_SUFFIXES
 
 POINTS = "0 0 1\n0.1 0 1\n0 0.1 1\n"
-EPS = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 640 480\n%%EndComments\n%%EndProlog\nshowpage\n%%Trailer\n%%EOF\n"
+EPS = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 640 480\n%%EndComments\n%%EndProlog\nshowpage\n%%EOF\n"
 
 
 def write_depth(path: Path) -> Path:

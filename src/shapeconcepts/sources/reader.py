@@ -85,8 +85,8 @@ def read_scan(
         Of a depth image: focal lengths and principal point in pixels. A Kinect's (525, 525, 319.5, 239.5) for
         640 x 480 pixels, needed for any other size.
     mask : path or (height, width) or (height, width, channels) array-like, optional
-        Of a depth image: an image of its size (PNG, BMP, GIF, JPEG, PPM or TIFF), where the object is not 0 (in any colour channel; opacity does
-        not count).
+        Of a depth image: an image of its size (PNG, BMP, GIF, JPEG, PPM or TIFF), where the object is not 0
+        (in any colour channel; opacity does not count).
     depth_scale : float
         Of a depth image: metres per unit, by default 0.001 (millimetres).
 
