@@ -34,6 +34,7 @@ COMMANDS = (
     "jobs.py",
     "learn.py",
     "report.py",
+    "small_files.py",
     "start.py",
     "other_processor.py",
 )

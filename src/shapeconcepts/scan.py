@@ -82,7 +82,7 @@ class Scan:
             object.__setattr__(self, "viewpoint", viewpoint)
         if self.point_labels is not None:
             try:
-                point_labels = np.array(whole_numbers(self.point_labels), order="C")
+                point_labels = whole_numbers(self.point_labels)
             except ScanError as error:
                 raise ScanError(f"{self._title()}: {error}") from None
             if point_labels.shape != (len(points),):

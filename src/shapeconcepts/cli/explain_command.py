@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -82,7 +83,7 @@ def explain(
     if training_data and image is None:
         raise typer.BadParameter("is for the picture: add --image", param_hint="--training-data")
     reading = read_options(intrinsics, depth_scale, mask)
-    if scan.is_dir():
+    if os.path.isdir(scan):
         raise typer.BadParameter(f"{scan} is a folder, expected one scan", param_hint="SCAN")
     [file] = scan_files([scan], mask)
     training = scan_files(training_data, None) if training_data else []

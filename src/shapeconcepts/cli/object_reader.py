@@ -164,7 +164,8 @@ class ObjectReader:
 
     def _key(self, source: Source) -> str | None:
         """Name of a source's entry in the cache; None where it cannot be read."""
-        from shapeconcepts.scan import Scan
+        from shapeconcepts.io.regular_file import read_regular_file
+        from shapeconcepts.scan import Scan, ScanError
 
         if self.cache is None:
             return None
@@ -174,13 +175,11 @@ class ObjectReader:
         if isinstance(source, SimulatedObject):
             return self.cache.key(b"", (source, self._segmentation))
         try:
-            content = source.path.read_bytes() if source.path.is_file() else None
+            content = read_regular_file(source.path)
             mask = self.reading.get("mask")
-            if content is not None and isinstance(mask, Path) and source.path.suffix.lower() == ".png":
-                content += (mask / source.inside if mask.is_dir() else mask).read_bytes()
-        except OSError:
-            return None
-        if content is None:
+            if isinstance(mask, Path) and source.path.suffix.lower() == ".png":
+                content += read_regular_file(mask / source.inside if mask.is_dir() else mask)
+        except ScanError:
             return None
         camera = (self.reading.get("intrinsics"), self.reading.get("depth_scale"))
         # The suffix tells how the file is read.

@@ -12,11 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from shapeconcepts.io.cloud import Cloud
+from shapeconcepts.io.regular_file import read_regular_file
+from shapeconcepts.io.unpacking import check_unpacked
 from shapeconcepts.scan import ScanError
 
 # Focal lengths and principal point of a Kinect, pixels (the factory values that ROS and PCL assume).
 KINECT_INTRINSICS = (525.0, 525.0, 319.5, 239.5)
 KINECT_SIZE = (640, 480)
+# Pillow knows more, and starts other programs for some of them.
+DEPTH_FORMATS = ("PNG",)
+MASK_FORMATS = ("PNG", "BMP", "GIF", "JPEG", "PPM", "TIFF")
 # More pixels than any depth camera has.
 MOST_PIXELS = 2**23
 
@@ -49,18 +54,23 @@ def read_depth_image(
         if (width, height) != KINECT_SIZE:
             raise ScanError(f"is {width} x {height} pixels; intrinsics are needed for all but 640 x 480")
         intrinsics = KINECT_INTRINSICS
-    depth = _pixels(BytesIO(data))
+    depth = _pixels(data, DEPTH_FORMATS)
     measured = depth > 0
     if mask is not None:
         measured &= _mask(mask, (height, width))
-    rows, columns = np.nonzero(measured)
-    if len(rows) == 0:
+    n_points = int(np.count_nonzero(measured))
+    if n_points == 0:
         raise ScanError(
             "has no pixel with a depth" if mask is None else "has no pixel with a depth in its mask"
         )
+    check_unpacked(depth.nbytes, len(data), n_points)
+    rows, columns = np.nonzero(measured)
     fx, fy, cx, cy = intrinsics
-    z = depth[rows, columns] * depth_scale
-    return Cloud(np.column_stack([(columns - cx) / fx * z, (rows - cy) / fy * z, z]), np.zeros(3))
+    points = np.empty((len(rows), 3))
+    points[:, 2] = z = depth[rows, columns] * depth_scale
+    points[:, 0] = (columns - cx) / fx * z
+    points[:, 1] = (rows - cy) / fy * z
+    return Cloud(points, np.zeros(3))
 
 
 def depth_image_size(data: bytes) -> tuple[int, int]:
@@ -75,9 +85,9 @@ def depth_image_size(data: bytes) -> tuple[int, int]:
     return width, height
 
 
-def _pixels(source: BytesIO | Path, shape: tuple[int, int] | None = None) -> NDArray:
+def _pixels(data: bytes, formats: tuple[str, ...], shape: tuple[int, int] | None = None) -> NDArray:
     try:
-        with Image.open(source, formats=["PNG"] if shape is None else None) as image:
+        with Image.open(BytesIO(data), formats=formats) as image:
             if shape is not None and image.size != shape[::-1]:
                 raise ScanError(
                     f"is {image.width} x {image.height} pixels, the depth image {shape[1]} x {shape[0]}"
@@ -92,7 +102,7 @@ def _pixels(source: BytesIO | Path, shape: tuple[int, int] | None = None) -> NDA
 def _mask(mask: Mask, shape: tuple[int, int]) -> NDArray[np.bool_]:
     if isinstance(mask, str | PathLike):
         try:
-            values = _pixels(Path(mask), shape)
+            values = _pixels(read_regular_file(Path(mask)), MASK_FORMATS, shape)
         except ScanError as error:
             raise ScanError(f"the mask {Path(mask)} {error}") from None
     else:

@@ -15,6 +15,20 @@ from shapeconcepts.scan import ScanError
 MOST_CORNERS = 2**14
 
 
+# What is held for each triangle takes a hundred times the byte that can stand for it in a file.
+MOST_TRIANGLES = 2**18
+BYTES_PER_TRIANGLE = 4
+
+
+def check_triangles(n_triangles: int, file_size: int) -> None:
+    """Raise ScanError where a file describes many more triangles than it has bytes for."""
+    most = max(MOST_TRIANGLES, file_size // BYTES_PER_TRIANGLE)
+    if n_triangles > most:
+        raise ScanError(
+            f"describes {n_triangles} triangles in {file_size} bytes of file, at most {most} are supported"
+        )
+
+
 class Mesh(NamedTuple):
     """Vertices (v, 3) in the units of the file, and triangles (f, 3) whose indices nobody has checked yet."""
 
@@ -44,11 +58,17 @@ class Polygons:
     def __len__(self) -> int:
         return len(self._sizes)
 
-    def triangles(self) -> NDArray[np.int64]:
-        """Each face as a fan of triangles around its first corner."""
+    def triangles(self, file_size: int) -> NDArray[np.int64]:
+        """Each face as a fan of triangles around its first corner; ScanError where they are too many."""
         corners, sizes = np.frombuffer(self._corners, np.int64), np.frombuffer(self._sizes, np.int64)
         n_triangles = np.maximum(sizes - 2, 0)
+        check_triangles(int(n_triangles.sum()), file_size)
         first = np.repeat(np.cumsum(sizes) - sizes, n_triangles)
-        within = np.arange(n_triangles.sum()) - np.repeat(np.cumsum(n_triangles) - n_triangles, n_triangles)
-        second = first + within + 1
-        return np.column_stack([corners[first], corners[second], corners[second + 1]])
+        triangles = np.empty((len(first), 3), np.int64)
+        triangles[:, 0] = corners[first]
+        # The place of each triangle in its face.
+        first += np.arange(len(first))
+        first -= np.repeat(np.cumsum(n_triangles) - n_triangles, n_triangles)
+        triangles[:, 1] = corners[first + 1]
+        triangles[:, 2] = corners[first + 2]
+        return triangles

@@ -13,7 +13,7 @@ from io import BytesIO
 
 import numpy as np
 
-from shapeconcepts.io.glb import check_glb
+from shapeconcepts.io.glb import checked_glb
 from shapeconcepts.io.mesh import Mesh
 from shapeconcepts.scan import ScanError
 
@@ -40,8 +40,7 @@ def read_glb(data: bytes) -> Mesh:
 
     ScanError says what is wrong with it.
     """
-    check_glb(data)
-    mesh = _load(data, "glb", 1)
+    mesh = _load(checked_glb(data), "glb", 1)
     x, y, z = mesh.vertices.T
     return Mesh(np.column_stack([x, -z, y]), mesh.faces)
 

@@ -29,7 +29,7 @@ def read_obj(data: bytes) -> Mesh:
             polygons.append(corners)
     if not polygons:
         raise ScanError("is not an OBJ mesh: it has no faces")
-    return Mesh(number_table(vertices, (0, 1, 2)), polygons.triangles())
+    return Mesh(number_table(vertices, (0, 1, 2)), polygons.triangles(len(data)))
 
 
 def _obj_index(word: str, n_vertices: int) -> int:
@@ -67,7 +67,7 @@ def read_off(data: bytes) -> Mesh:
     polygons = Polygons()
     for line in faces:
         polygons.append(_off_polygon(line))
-    return Mesh(number_table(lines[body : body + n_vertices], (0, 1, 2)), polygons.triangles())
+    return Mesh(number_table(lines[body : body + n_vertices], (0, 1, 2)), polygons.triangles(len(data)))
 
 
 def _off_polygon(line: str) -> list[int]:

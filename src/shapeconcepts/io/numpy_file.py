@@ -11,12 +11,13 @@ from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
 from shapeconcepts.io.cloud import LABEL_NAMES, Cloud
+from shapeconcepts.io.unpacking import check_unpacked
 from shapeconcepts.io.viewpoint import camera_frame_viewpoint, declared_viewpoint
 from shapeconcepts.scan import ScanError, whole_numbers
 
-# Point clouds hardly shrink below a tenth; an archive that unpacks to much more is made to fill the memory.
-LARGEST_GROWTH = 100
-SMALL_ENOUGH = 2**26
+# Members are unpacked piece by piece, straight to their place.
+PIECE = 2**20
+LONGEST_HEADER = 2**17
 
 
 def read_npy(data: bytes) -> Cloud:
@@ -37,20 +38,25 @@ def read_npz(data: bytes) -> Cloud:
     except Exception as error:  # zipfile raises struct.error, ValueError and others beside BadZipFile
         raise ScanError(f"is not an NPZ archive ({error})") from None
     names = archive.namelist()
-    arrays = {
-        name: _array(_member(archive, f"{name}.npy"))
-        for name in ("points", "viewpoint", *LABEL_NAMES)
-        if f"{name}.npy" in names
+    members = {
+        name: f"{name}.npy" for name in ("points", "viewpoint", *LABEL_NAMES) if f"{name}.npy" in names
     }
-    if not arrays and len(names) == 1:
-        arrays["points"] = _array(_member(archive, names[0]))
-    if "points" not in arrays:
+    if not members and len(names) == 1:
+        members["points"] = names[0]
+    if "points" not in members:
         raise ScanError(f"has no array points, only {', '.join(names[:10]) or 'nothing'}")
-    # Bytes become numbers of eight bytes each.
-    n_bytes = 8 * arrays["points"].size
-    if n_bytes > max(LARGEST_GROWTH * len(data), SMALL_ENOUGH):
-        raise ScanError(f"has {n_bytes} bytes of points in {len(data)} bytes of file")
-    points = _points(arrays["points"])
+    n_bytes = sum(archive.getinfo(name).file_size for name in members.values())
+    check_unpacked(n_bytes, len(data))
+    arrays = {name: _array(_member(archive, member)) for name, member in members.items()}
+    array = arrays.pop("points")
+    shape = array.shape if array.dtype.names else array.shape[:-1]
+    check_unpacked(n_bytes, len(data), prod(shape))
+    points = _points(array)
+    label_field = None if arrays.keys() & set(LABEL_NAMES) else _label_field(array)
+    if label_field is not None:
+        label_field = whole_numbers(label_field)
+    # It can fill the memory.
+    del array
     if "viewpoint" in arrays:
         position = arrays["viewpoint"]
         if position.shape != (3,) or position.dtype.names:
@@ -61,17 +67,16 @@ def read_npz(data: bytes) -> Cloud:
     else:
         viewpoint = camera_frame_viewpoint(points)
     labels = next((arrays[name] for name in LABEL_NAMES if name in arrays), None)
-    array = arrays["points"]
-    shape = array.shape if array.dtype.names else array.shape[:-1]
     if labels is not None and labels.shape not in (shape, (len(points),)):
         raise ScanError(f"the labels must have the shape {shape}, got {labels.shape}")
-    labels = _label_field(array) if labels is None else labels.reshape(-1)
+    labels = label_field if labels is None else labels.reshape(-1)
     return Cloud(points, viewpoint, None if labels is None else whole_numbers(labels))
 
 
-def _array(data: bytes) -> NDArray:
+def _array(data: bytes | bytearray) -> NDArray:
     """Array of numbers in the bytes of an NPY file. np.load allocates before it looks into the file."""
-    stream = BytesIO(data)
+    # Longer headers than this are refused; a stream over all of the data can be a copy of it.
+    stream = BytesIO(data[:LONGEST_HEADER])
     try:
         version = npy_format.read_magic(stream)
         read_header = (
@@ -98,8 +103,13 @@ def _points(array: NDArray) -> NDArray[np.float64]:
     if array.dtype.names:
         if array.ndim not in (1, 2):
             raise ScanError(f"holds fields in an array of shape {array.shape}, (n,) or (h, w) is expected")
+        if array.dtype.itemsize < 3:
+            raise ScanError(f"holds the fields of {array.size} points over each other")
+        points = np.empty((array.size, 3))
         with np.errstate(over="ignore"):
-            return np.column_stack([_field(array, axis).astype(np.float64) for axis in "xyz"])
+            for column, axis in enumerate("xyz"):
+                points[:, column] = _field(array, axis)
+        return points
     if array.ndim == 2 and array.shape[0] == 3 < array.shape[1]:
         raise ScanError(f"holds an array of shape {array.shape}, (n, 3) is expected, got (3, n)")
     if array.ndim not in (2, 3) or array.shape[-1] < 3:
@@ -124,20 +134,19 @@ def _field(array: NDArray, name: str) -> NDArray:
     return array[name].ravel()
 
 
-def _member(archive: zipfile.ZipFile, name: str) -> bytes:
+def _member(archive: zipfile.ZipFile, name: str) -> bytearray:
     info = archive.getinfo(name)
     if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         raise ScanError(f"{name} is compressed in a way that NPZ files are not")
-    if info.file_size > max(LARGEST_GROWTH * info.compress_size, SMALL_ENOUGH):
-        raise ScanError(
-            f"{name} says it unpacks from {info.compress_size} to {info.file_size} bytes, "
-            f"more than {LARGEST_GROWTH} times as many"
-        )
+    content = bytearray(info.file_size)
+    n_read = 0
     try:
         with archive.open(info) as stream:
-            content = stream.read(info.file_size)
+            while piece := stream.read(min(PIECE, info.file_size - n_read)):
+                content[n_read : n_read + len(piece)] = piece
+                n_read += len(piece)
     except Exception as error:  # zipfile and zlib have errors of their own
         raise ScanError(f"{name} is damaged ({error})") from None
-    if len(content) != info.file_size:
-        raise ScanError(f"{name} is truncated: {len(content)} of {info.file_size} bytes")
+    if n_read != info.file_size:
+        raise ScanError(f"{name} is truncated: {n_read} of {info.file_size} bytes")
     return content

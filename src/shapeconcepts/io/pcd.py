@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.io.cloud import LABEL_NAMES, Cloud, decoded_lines, number_table
+from shapeconcepts.io.unpacking import check_unpacked
 from shapeconcepts.io.viewpoint import camera_frame_viewpoint, declared_viewpoint
 from shapeconcepts.scan import ScanError, whole_numbers
 
@@ -48,28 +49,37 @@ def read_pcd(data: bytes) -> Cloud:
     header, body = _read_header(data)
     for axis in "xyz":
         if axis not in header.fields:
-            raise ScanError(f"has no field {axis}, only {' '.join(header.fields)}")
+            raise ScanError(f"has no field {axis}, only {' '.join([*header.fields][:10])}")
     label = next((name for name in LABEL_NAMES if name in header.fields), None)
     names = [*"xyz"] if label is None else [*"xyz", label]
     for name in names:
         if header.fields[name].n_values != 1:
             raise ScanError(f"the field {name} must have COUNT 1, got {header.fields[name].n_values}")
 
+    points, labels = _content(data, body, header, names)
+    # (0, 0, 0) is what writers put there when they do not know; it needs the evidence of the cloud itself.
+    declared = header.viewpoint.any()
+    return Cloud(
+        points,
+        declared_viewpoint(points, header.viewpoint) if declared else camera_frame_viewpoint(points),
+        labels,
+    )
+
+
+def _content(
+    data: bytes, body: int, header: _Header, names: list[str]
+) -> tuple[NDArray[np.float64], NDArray[np.int64] | None]:
+    """Points, and labels where they are among the names; what is unpacked is gone afterwards."""
     if header.encoding == "ascii":
         columns = _ascii_columns(data[body:], header, names)
     elif header.encoding == "binary":
         columns = _binary_columns(data, body, header, names)
     else:
         columns = _compressed_columns(data, body, header, names)
-
-    points = np.column_stack([columns[axis].astype(np.float64) for axis in "xyz"])
-    # (0, 0, 0) is what writers put there when they do not know; it needs the evidence of the cloud itself.
-    declared = header.viewpoint.any()
-    return Cloud(
-        points,
-        declared_viewpoint(points, header.viewpoint) if declared else camera_frame_viewpoint(points),
-        None if label is None else whole_numbers(columns[label]),
-    )
+    points = np.empty((header.n_points, 3))
+    for axis, name in enumerate("xyz"):
+        points[:, axis] = columns[name]
+    return points, whole_numbers(columns[names[3]]) if len(names) > 3 else None
 
 
 def _read_header(data: bytes) -> tuple[_Header, int]:
@@ -208,6 +218,7 @@ def _compressed_columns(data: bytes, body: int, header: _Header, names: list[str
         )
     if size > LZF_LARGEST_RATIO * compressed_size:
         raise ScanError(f"the compressed block of {compressed_size} bytes cannot hold {size} bytes")
+    check_unpacked(size, len(data), header.n_points)
     try:
         content = lzf.decompress(block, size) if size else b""
     except ValueError:

@@ -70,10 +70,10 @@ def read_ply(data: bytes) -> Cloud | Mesh:
 
     if byte_order == "=":
         columns, lines = _ascii_vertices(data[body:], elements, vertex)
-        faces = None if face is None else _ascii_faces(lines, face)
+        faces = None if face is None else _ascii_faces(lines, face).triangles(len(data))
     else:
         columns, offset = _binary_vertices(data, body, elements, vertex)
-        faces = None if face is None else _binary_faces(data, offset, face, byte_order)
+        faces = None if face is None else _binary_faces(data, offset, face, byte_order).triangles(len(data))
     points = np.column_stack([columns[axis].astype(np.float64) for axis in "xyz"])
     if faces is not None:
         return Mesh(points, faces)
@@ -172,13 +172,15 @@ def _ascii_vertices(
 ) -> tuple[dict[str, NDArray], list[str]]:
     """Columns of the vertices, and the lines after them."""
     lines = [line for line in decoded_lines(body) if line.strip()]
+    first = 0
     for element in elements:
-        if element.n_rows > len(lines):
+        if element.n_rows > len(lines) - first:
             raise _truncated(element)
         if element is vertex:
             break
-        lines = lines[element.n_rows :]
-    table = number_table(lines[: vertex.n_rows])
+        first += element.n_rows
+    end = first + vertex.n_rows
+    table = number_table(lines[first:end])
     if table.shape[1] != len(vertex.properties):
         raise ScanError(
             f"has {table.shape[1]} numbers a vertex, the header describes {len(vertex.properties)}"
@@ -188,52 +190,75 @@ def _ascii_vertices(
         if field.dtype.kind == "f":
             with np.errstate(over="ignore"):
                 columns[field.name] = columns[field.name].astype(field.dtype)
-    return columns, lines[vertex.n_rows :]
+    return columns, lines[end:]
 
 
-def _ascii_faces(lines: list[str], face: _Element) -> NDArray[np.int64]:
+def _ascii_faces(lines: list[str], face: _Element) -> Polygons:
     if face.n_rows > len(lines):
         raise _truncated(face)
     lines = lines[: face.n_rows]
     polygons = Polygons()
     for line in lines:
         values = line.split()
+        place = 0
         try:
-            for field in face.properties:
-                length = 1 if field.length_dtype is None else int(values.pop(0))
-                if not 0 <= length <= len(values):
-                    raise ValueError
-                if field.name in FACE_NAMES:
-                    corners = [int(value) for value in values[:length]]
-                values = values[length:]
-        except (ValueError, IndexError):
-            raise ScanError(f"has the face {line[:60]!r}, which does not fit the header") from None
-        polygons.append(corners)
-    return polygons.triangles()
-
-
-def _binary_faces(data: bytes, offset: int, face: _Element, byte_order: str) -> NDArray[np.int64]:
-    # Every face takes a byte at least: this bounds the loop.
-    if face.n_rows > len(data) - offset:
-        raise _truncated(face)
-    polygons = Polygons()
-    try:
-        for _ in range(face.n_rows):
             for field in face.properties:
                 length = 1
                 if field.length_dtype is not None:
-                    length = int(struct.unpack_from(byte_order + field.length_dtype.char, data, offset)[0])
-                    offset += field.length_dtype.itemsize
+                    length = int(values[place])
+                    place += 1
+                if not 0 <= length <= len(values) - place:
+                    raise ValueError
+                if field.name in FACE_NAMES:
+                    corners = [int(value) for value in values[place : place + length]]
+                place += length
+        except (ValueError, IndexError):
+            raise ScanError(f"has the face {line[:60]!r}, which does not fit the header") from None
+        polygons.append(corners)
+    return polygons
+
+
+def _binary_faces(data: bytes, offset: int, face: _Element, byte_order: str) -> Polygons:
+    # An edge is no face, so the smallest rows bound the loop.
+    smallest = sum(_smallest_size(field) for field in face.properties)
+    if face.n_rows * smallest > len(data) - offset:
+        raise ScanError(
+            f"is truncated: {face.n_rows} faces of two corners or more do not fit into "
+            f"{len(data) - offset} bytes"
+        )
+    layout = [
+        (
+            None if field.length_dtype is None else struct.Struct(byte_order + field.length_dtype.char),
+            field.dtype.itemsize,
+            field.dtype.char if field.name in FACE_NAMES else "",
+        )
+        for field in face.properties
+    ]
+    polygons = Polygons()
+    try:
+        for _ in range(face.n_rows):
+            for length_format, size, corner_type in layout:
+                length = 1
+                if length_format is not None:
+                    length = int(length_format.unpack_from(data, offset)[0])
+                    offset += length_format.size
                     if length < 0:
                         raise ValueError
-                if field.name in FACE_NAMES:
-                    corners = struct.unpack_from(f"{byte_order}{length}{field.dtype.char}", data, offset)
-                elif length * field.dtype.itemsize > len(data) - offset:
-                    raise ValueError
-                offset += length * field.dtype.itemsize
+                if corner_type:
+                    corners = struct.unpack_from(f"{byte_order}{length}{corner_type}", data, offset)
+                offset += length * size
+            if offset > len(data):
+                raise ValueError
             polygons.append(corners)
     except ScanError:
         raise
     except (ValueError, struct.error):
         raise _truncated(face) from None
-    return polygons.triangles()
+    return polygons
+
+
+def _smallest_size(field: _Property) -> int:
+    """Bytes that a property of a face takes at least."""
+    if field.length_dtype is None:
+        return field.dtype.itemsize
+    return field.length_dtype.itemsize + (2 * field.dtype.itemsize if field.name in FACE_NAMES else 0)

@@ -42,7 +42,7 @@ def declared_viewpoint(
     measured = finite_rows(points)
     if not measured.any() or not np.isfinite(position).all():
         return None
-    low, high = _bounding_box([column[measured] for column in points.T])
+    low, high = _bounding_box(points, measured)
     with np.errstate(over="ignore"):
         outside = np.maximum(np.maximum(low - position, position - high), 0.0)
         gap, diagonal = np.linalg.norm(outside), np.linalg.norm(high - low)
@@ -64,18 +64,24 @@ def camera_frame_viewpoint(points: NDArray[np.float64]) -> NDArray[np.float64] |
     measured = finite_rows(points) & ((points[:, 0] != 0.0) | (points[:, 1] != 0.0) | (points[:, 2] != 0.0))
     if not measured.any():
         return None
-    x, y, z = (column[measured] for column in points.T)
+    z = points[measured, 2]
     with np.errstate(over="ignore"):
-        off_axis = x * x + y * y
+        # One column at a time, as a cloud can fill the memory.
+        off_axis = points[measured, 0] ** 2
+        off_axis += points[measured, 1] ** 2
         if not ((z > 0.0) & (off_axis <= (FIELD_OF_VIEW * z) ** 2)).all():
             return None
         nearest = np.sqrt((off_axis + z * z).min())
-        low, high = _bounding_box([x, y, z])
+        low, high = _bounding_box(points, measured)
         radius = np.linalg.norm(high - low) / 2.0
     # A single point has no size that its distance could be compared with.
     far_for_its_size = 0.0 < NEAREST_IN_RADII * radius <= nearest
     return np.zeros(3) if nearest >= NEAREST or far_for_its_size else None
 
 
-def _bounding_box(columns: list[NDArray[np.float64]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    return np.array([column.min() for column in columns]), np.array([column.max() for column in columns])
+def _bounding_box(
+    points: NDArray[np.float64], measured: NDArray[np.bool_]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    columns = (column[measured] for column in points.T)
+    low, high = zip(*((column.min(), column.max()) for column in columns), strict=True)
+    return np.array(low), np.array(high)

@@ -14,7 +14,11 @@ _SAME_SURFACE = 0.02
 
 
 def measure(
-    image: DepthImage, corners: NDArray[np.float64], sensor: SensorModel, rng: np.random.Generator
+    image: DepthImage,
+    vertices: NDArray[np.float64],
+    faces: NDArray[np.int64],
+    sensor: SensorModel,
+    rng: np.random.Generator,
 ) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
     """Triangle (negative: none) and depth that the sensor reads at each pixel of an exact depth image."""
     shape = image.triangles.shape
@@ -28,7 +32,7 @@ def measure(
     triangles = image.triangles[rows, columns]
     hit = (triangles >= 0) & lit[rows, columns]
 
-    exact, angle = _surface(image, corners[triangles[hit]], hit, sensor)
+    exact, angle = _surface(image, vertices[faces[triangles[hit]]], hit, sensor)
     kept_share = (
         (1.0 - edge_loss[rows, columns][hit])
         * (1.0 - sensor.grazing_loss(angle))

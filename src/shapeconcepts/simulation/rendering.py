@@ -57,10 +57,18 @@ def render(vertices: NDArray[np.float64], faces: NDArray[np.int64], sensor: Sens
 
 def _check_work(projected: NDArray[np.float64], faces: NDArray[np.int64], size: NDArray[np.int64]) -> None:
     """Raise ScanError where the triangles cover the image (columns, rows) so often that it is no surface."""
-    first, second, third = (np.clip(projected[faces[:, corner]], 0, size) for corner in range(3))
-    low = np.minimum(np.minimum(first, second), third)
-    high = np.maximum(np.maximum(first, second), third)
-    n_pixels = np.prod(high - low, axis=1).sum()
+    # One side of the image after the other, as there can be as many triangles as the memory holds.
+    covered = np.ones(len(faces))
+    for axis in range(2):
+        place = np.clip(projected[:, axis], 0, size[axis])
+        first, second, third = faces.T
+        low = np.minimum(place[first], place[second])
+        high = np.maximum(place[first], place[second])
+        np.minimum(low, place[third], out=low)
+        np.maximum(high, place[third], out=high)
+        high -= low
+        covered *= high
+    n_pixels = covered.sum()
     if n_pixels > _MOST_WORK:
         raise ScanError(
             f"its {len(faces)} faces cover {n_pixels:.3g} pixels in sum, expected {_MOST_WORK:.3g} or less"

@@ -18,6 +18,8 @@ DISTANCE_LIMITS = (0.4, 8.0)
 EXTENT_LIMITS = (0.005, 3.0)
 
 _NEAREST_VERTEX = 0.1
+# Triangles whose corners are copied at a time.
+_AT_ONCE = 2**16
 
 
 def scan_mesh(
@@ -107,7 +109,7 @@ def scan_mesh(
     if occlusion > 0.0:
         put_in_front(image, occlusion, rng)
     if noise:
-        triangles, depth = measure(image, vertices[faces], sensor, rng)
+        triangles, depth = measure(image, vertices, faces, sensor, rng)
     else:
         triangles, depth = image.triangles, 1.0 / np.where(image.triangles >= 0, image.inverse_depth, 1.0)
     rows, columns = np.nonzero(triangles >= 0)
@@ -155,10 +157,15 @@ def _checked_mesh(
             f"{title}: the mesh is {extent:g} m across, expected {EXTENT_LIMITS[0]} to {EXTENT_LIMITS[1]} m; "
             "are its coordinates in metres?"
         )
-    first, second, third = np.moveaxis(vertices[faces], 1, 0)
-    if not np.cross(second - first, third - first).any():
+    if not any(_has_area(vertices[faces[row : row + _AT_ONCE]]) for row in range(0, len(faces), _AT_ONCE)):
         raise ScanError(f"{title}: every face has the area 0")
     return vertices, faces
+
+
+def _has_area(corners: NDArray[np.float64]) -> bool:
+    """Whether any of some triangles (f, 3, 3) has an area."""
+    first, second, third = np.moveaxis(corners, 1, 0)
+    return bool(np.cross(second - first, third - first).any())
 
 
 def _checked_labels(title: str, face_labels: ArrayLike, n_faces: int) -> NDArray[np.int64]:

@@ -28,12 +28,16 @@ class ReadOptions(TypedDict, total=False):
 
 
 class ScanFile(NamedTuple):
-    """A file to read, the name and label that its scan gets, and its path inside the folder given."""
+    """A file to read, the name and label that its scan gets, and its path inside the folder given.
+
+    Or a folder that cannot be listed: `failure` says why, and reading it gives that as its error.
+    """
 
     path: Path
     name: str
     label: str | None
     inside: Path
+    failure: str = ""
 
 
 class ScanList(list[Scan]):
@@ -62,19 +66,22 @@ def find_scan_files(source: Source) -> list[ScanFile]:
     Returns
     -------
     list of ScanFile
-        A file from a folder is named by its path inside that folder, any other by the given path.
+        A file from a folder is named by its path inside that folder, any other by the given path. A folder
+        that cannot be listed is among them, so that it is reported like a file that cannot be read.
 
     Raises
     ------
     ScanError
-        If a folder cannot be listed or holds no scan, or no source is given.
+        If a folder holds no scan, or no source is given.
     """
     paths = [source] if isinstance(source, str | PathLike) else list(source)
     if not paths:
         raise ScanError("no file or folder to read scans from is given")
     files: list[ScanFile] = []
     for path in map(Path, paths):
-        files += _files_below(path) if path.is_dir() else [ScanFile(path, str(path), None, Path(path.name))]
+        files += (
+            _files_below(path) if os.path.isdir(path) else [ScanFile(path, str(path), None, Path(path.name))]
+        )
     return files
 
 
@@ -97,6 +104,8 @@ def iter_scans(files: Iterable[ScanFile], **options: Unpack[ReadOptions]) -> Ite
     """
     for file in files:
         try:
+            if file.failure:
+                raise ScanError(f"{file.path}: {file.failure}")
             own_options: ReadOptions = {**options, "mask": _mask(file, options.get("mask"))}
             yield replace(read_scan(file.path, **own_options), name=file.name, label=file.label)
         except ScanError as error:
@@ -170,7 +179,7 @@ def collect(results: Iterable[Scan | ScanError], *, strict: bool = False) -> Sca
 def existing_folder(folder: str | PathLike[str]) -> Path:
     """The path of a folder; ScanError where there is none."""
     folder = Path(folder)
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         raise ScanError(f"{folder}: there is no such folder")
     return folder
 
@@ -179,34 +188,38 @@ def _mask(file: ScanFile, mask: Mask | None) -> Mask | None:
     """The mask of one of several files."""
     if file.path.suffix.lower() != ".png":
         return None
-    if isinstance(mask, str | PathLike) and Path(mask).is_dir():
+    if isinstance(mask, str | PathLike) and os.path.isdir(mask):
         return Path(mask) / file.inside
     return mask
 
 
 def _files_below(folder: Path) -> list[ScanFile]:
+    unlisted: list[tuple[Path, str]] = []
+    found = [(path, "") for path in scan_paths(folder, unlisted)]
     files = []
-    for path in sorted(scan_paths(folder), key=lambda path: _natural_order(path.relative_to(folder))):
+    for path, failure in sorted(
+        [*found, *unlisted], key=lambda one: _natural_order(one[0].relative_to(folder))
+    ):
         inside = path.relative_to(folder)
         label = inside.parts[0] if len(inside.parts) > 1 else None
-        files.append(ScanFile(path, inside.as_posix(), label, inside))
+        files.append(ScanFile(path, inside.as_posix(), label, inside, failure))
     if not files:
         raise ScanError(f"{folder}: holds no scans, that is no files {' '.join(SCAN_SUFFIXES)}")
     return files
 
 
-def scan_paths(folder: Path) -> Iterator[Path]:
+def scan_paths(folder: Path, unlisted: list[tuple[Path, str]]) -> Iterator[Path]:
     """Files below a folder with a known suffix, hidden ones left out, in no particular order.
 
-    ScanError if a folder cannot be listed.
+    Folders that cannot be listed are added to `unlisted`, with the reason.
     """
 
-    def fail(error: OSError) -> None:
-        raise ScanError(f"{error.filename}: cannot be listed ({error.strerror})") from None
+    def skip(error: OSError) -> None:
+        unlisted.append((Path(error.filename), f"cannot be listed ({error.strerror})"))
 
     # Linked folders count, but not when they lead back to where one comes from.
     seen: set[str] = set()
-    for place, folders, names in os.walk(folder, onerror=fail, followlinks=True):
+    for place, folders, names in os.walk(folder, onerror=skip, followlinks=True):
         seen.add(os.path.realpath(place))
         folders[:] = sorted(
             name

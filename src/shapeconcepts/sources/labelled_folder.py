@@ -63,7 +63,7 @@ def _load(folder: Path) -> ScanList:
     if is_oscd(files):
         return load_oscd(folder)
     files = _labelled_by_folder(files)
-    if all(file.label is None for file in files):
+    if all(file.label is None or file.failure for file in files):
         raise _nothing_labelled(folder)
     return collect(iter_scans(files))
 
@@ -71,6 +71,8 @@ def _load(folder: Path) -> ScanList:
 def _are_scenes(files: Sequence[ScanFile]) -> bool:
     """Whether the first file that can be a scene of the data set, and can be read, is a labelled scene."""
     for file in files:
+        if file.failure:
+            continue
         in_place = len(file.inside.parts) == 1 or is_scene_name(file.path.stem)
         if in_place and file.path.suffix.lower() == ".pcd":
             try:
@@ -82,7 +84,8 @@ def _are_scenes(files: Sequence[ScanFile]) -> bool:
 
 def _labelled_by_folder(files: Sequence[ScanFile]) -> list[ScanFile]:
     # A single folder of that name may as well be a category of toy trains.
-    split = all(any(map(is_split_folder, file.inside.parts[:-1])) for file in files)
+    read = [file for file in files if not file.failure]
+    split = all(any(map(is_split_folder, file.inside.parts[:-1])) for file in read)
     labelled = []
     for file in files:
         folders = [name for name in file.inside.parts[:-1] if not (split and is_split_folder(name))]

@@ -60,8 +60,8 @@ def load_oscd(folder: str | PathLike[str]) -> ScanList:
         If there is no scan that can be read.
     """
     folder = existing_folder(folder)
-    files = [file for file in find_scan_files(folder) if _is_pcd(file)]
-    if not files:
+    files = [file for file in find_scan_files(folder) if _is_pcd(file) or file.failure]
+    if all(file.failure for file in files):
         raise ScanError(f"{folder}: holds no point cloud (.pcd)")
     return collect(_scans(files))
 
@@ -80,6 +80,7 @@ def split_of(scan: Scan) -> str | None:
 
 def is_oscd(files: Sequence[ScanFile]) -> bool:
     """Whether there are PCD files, all in one of the categories, and nothing else in folders beside them."""
+    files = [file for file in files if not file.failure]
     clouds = [file for file in files if _is_pcd(file)]
     others_are_loose = all(_is_pcd(file) or len(file.inside.parts) == 1 for file in files)
     return bool(clouds) and others_are_loose and all(_category(file.inside) is not None for file in clouds)
@@ -94,7 +95,7 @@ def is_split_folder(name: str) -> bool:
 def _scans(files: Iterable[ScanFile]) -> Iterator[Scan | ScanError]:
     for file in files:
         category = _category(file.inside)
-        if category is None:
+        if category is None and not file.failure:
             yield ScanError(f"{file.path}: is in no folder named after one of {', '.join(SHAPES)}")
         else:
             yield from iter_scans([file._replace(label=category)])

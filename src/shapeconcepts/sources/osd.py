@@ -53,7 +53,9 @@ def load_osd(folder: str | PathLike[str]) -> ScanList:
     folder = existing_folder(folder)
     scans = ScanList()
     for file in find_scan_files(folder):
-        if file.path.suffix.lower() == ".pcd":
+        if file.failure:
+            scans.skipped.append(ScanError(f"{file.path}: {file.failure}"))
+        elif file.path.suffix.lower() == ".pcd":
             scans += scene_objects(read_scan(file.path))
     if not scans:
         raise ScanError(f"{folder}: holds no scene (.pcd) with labelled objects")

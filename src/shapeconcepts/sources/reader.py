@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import replace
 from os import PathLike
@@ -19,6 +20,7 @@ from shapeconcepts.io.mesh_text import read_obj, read_off
 from shapeconcepts.io.numpy_file import read_npy, read_npz
 from shapeconcepts.io.pcd import read_pcd
 from shapeconcepts.io.ply import read_ply
+from shapeconcepts.io.regular_file import read_regular_file
 from shapeconcepts.io.text_table import read_text_table
 from shapeconcepts.io.viewpoint import finite_rows
 from shapeconcepts.scan import Scan, ScanError
@@ -66,6 +68,9 @@ def read_scan(
 
     Points stand as in the file, non-finite ones included; a depth image gives its pixels with a depth.
 
+    A compressed file may unpack to a million points of 32 bytes, or to as many points as it has bytes; the
+    environment variable SHAPECONCEPTS_MOST_POINTS sets another number instead of the million.
+
     Parameters
     ----------
     path : str or path
@@ -80,8 +85,8 @@ def read_scan(
         Of a depth image: focal lengths and principal point in pixels. A Kinect's (525, 525, 319.5, 239.5) for
         640 x 480 pixels, needed for any other size.
     mask : path or (height, width) or (height, width, channels) array-like, optional
-        Of a depth image: an image of its size, where the object is not 0 (in any colour channel; opacity does
-        not count).
+        Of a depth image: an image of its size (PNG, BMP, GIF, JPEG, PPM or TIFF), where the object is not 0
+        (in any colour channel; opacity does not count).
     depth_scale : float
         Of a depth image: metres per unit, by default 0.001 (millimetres).
 
@@ -143,21 +148,16 @@ def _checked_position(viewpoint: ArrayLike) -> np.ndarray:
 
 
 def _content(path: Path, suffix: str) -> bytes:
-    if path.is_dir():
+    if os.path.isdir(path):
         raise ScanError(f"{path}: is a folder, read_scans reads those")
-    if not path.exists():
-        raise ScanError(f"{path}: there is no such file")
-    if suffix not in SCAN_SUFFIXES:
+    if suffix not in SCAN_SUFFIXES and os.path.exists(path):
         raise ScanError(
             f"{path}: the format {suffix or 'without a suffix'} is not known, only {' '.join(SCAN_SUFFIXES)}"
         )
-    # Reading from a pipe or a device may never end.
-    if not path.is_file():
-        raise ScanError(f"{path}: is not a regular file")
     try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise ScanError(f"{path}: cannot be read ({error.strerror})") from None
+        data = read_regular_file(path)
+    except ScanError as error:
+        raise ScanError(f"{path}: {error}") from None
     if not data:
         raise ScanError(f"{path}: is empty")
     return data

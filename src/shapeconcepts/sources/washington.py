@@ -5,6 +5,7 @@ https://rgbd-dataset.cs.washington.edu
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from shapeconcepts.io.depth_image import depth_image_size
+from shapeconcepts.io.regular_file import read_regular_file
 from shapeconcepts.parameters import check_integer
 from shapeconcepts.scan import Scan, ScanError
 from shapeconcepts.sources.collection import ScanList, collect, existing_folder, scan_paths
@@ -95,26 +97,28 @@ def load_washington(
     if isinstance(categories, str) or (categories is not None and not len(categories)):
         raise ValueError(f"categories must be one name or more, such as ['ball'], got {categories!r}")
     folder = existing_folder(folder)
-    frames = _find_frames(folder)
+    unlisted: list[tuple[Path, str]] = []
+    frames = _find_frames(folder, unlisted)
     if not frames:
         raise ScanError(
             f"{folder}: holds no scan of the Washington RGB-D Object Dataset, that is no file like "
             f"apple_1_1_1.pcd or apple_1_1_1{_DEPTH_CROP}"
         )
-    return collect(_scans(folder, frames, scans_per_instance, video, categories))
+    failures = [ScanError(f"{path}: {reason}") for path, reason in unlisted]
+    return collect([*failures, *_scans(folder, frames, scans_per_instance, video, categories)])
 
 
 def is_washington(folder: Path) -> bool:
     """Whether a file below a folder is named and placed like ``apple_1/apple_1_1_1.pcd``."""
-    for path in scan_paths(folder):
+    for path in scan_paths(folder, []):
         match = _FILE_NAME.fullmatch(path.name)
         if match is not None and path.parent.name == f"{match[1]}_{match[2]}":
             return True
     return False
 
 
-def _find_frames(folder: Path) -> dict[_Frame, Path]:
-    matches = [(path, _FILE_NAME.fullmatch(path.name)) for path in scan_paths(folder)]
+def _find_frames(folder: Path, unlisted: list[tuple[Path, str]]) -> dict[_Frame, Path]:
+    matches = [(path, _FILE_NAME.fullmatch(path.name)) for path in scan_paths(folder, unlisted)]
     frames: dict[_Frame, Path] = {}
     # Point clouds first, and of two equal names always the same.
     for path, match in sorted(matches, key=lambda found: (found[0].suffix != ".pcd", found[0])):
@@ -162,12 +166,12 @@ def _read_depth_crop(path: Path) -> Scan:
     stem = path.name.removesuffix(_DEPTH_CROP)
     location, mask = path.with_name(f"{stem}_loc.txt"), path.with_name(f"{stem}_maskcrop.png")
     corner = _read_corner(location)
-    if not mask.is_file():
+    if not os.path.exists(mask):
         raise ScanError(f"{path}: has no mask {mask.name} beside it")
     # depthToCloud.m counts pixels from 1, in the crop and in the image, so the first one is at the corner.
     center = (_CENTER[0] - corner[0], _CENTER[1] - corner[1])
     scan = read_scan(path, intrinsics=(_FOCAL_LENGTH, _FOCAL_LENGTH, *center), mask=mask)
-    crop_size = depth_image_size(path.read_bytes())
+    crop_size = depth_image_size(read_regular_file(path))
     for first, length, limit in zip(corner, crop_size, _IMAGE_SIZE, strict=True):
         if first + length - 1 > limit:
             raise ScanError(
@@ -179,13 +183,10 @@ def _read_depth_crop(path: Path) -> Scan:
 
 def _read_corner(path: Path) -> tuple[int, int]:
     """Column and row, from 1, of the pixel of the whole image that comes first in a crop."""
-    if not path.is_file():
-        raise ScanError(f"{path}: there is no such file, so the place of the crop in the image is unknown")
     try:
-        with path.open(encoding="utf-8", errors="replace") as file:
-            text = file.read(64)
-    except OSError as error:
-        raise ScanError(f"{path}: cannot be read ({error.strerror})") from None
+        text = read_regular_file(path)[:64].decode("utf-8", "replace")
+    except ScanError as error:
+        raise ScanError(f"{path}: {error}, so the place of the crop in the image is unknown") from None
     match = _CORNER.fullmatch(text)
     if match is None:
         raise ScanError(f"{path}: must hold column and row of the crop's corner, like 281,209, got {text!r}")
