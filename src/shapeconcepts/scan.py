@@ -7,13 +7,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from shapeconcepts.printable import printable
+
 
 class ScanError(ValueError):
-    """A scan that cannot be used; the message names the file or scan and the reason."""
+    """A scan that cannot be used; the message names the file or scan and the reason.
+
+    What the message quotes of names and files is made printable.
+    """
+
+    def __init__(self, message: object) -> None:
+        super().__init__(printable(str(message)))
 
 
 class ScanWarning(UserWarning):
-    """Some scans cannot be used, and are skipped."""
+    """Some scans cannot be used, and are skipped; the message is printable, as that of a ScanError."""
+
+    def __init__(self, message: object) -> None:
+        super().__init__(printable(str(message)))
 
 
 def whole_numbers(values: ArrayLike) -> NDArray[np.int64]:

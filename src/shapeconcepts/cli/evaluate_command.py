@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 import sys
 from pathlib import Path
@@ -30,6 +29,7 @@ from shapeconcepts.cli.terminal import (
     progress,
     say,
     say_skipped,
+    tell_json,
     warnings_said,
 )
 
@@ -140,7 +140,7 @@ def evaluate(
     if as_json:
         from shapeconcepts.evaluation.json_document import plain_values
 
-        typer.echo(json.dumps(plain_values(result), indent=2, allow_nan=False))
+        tell_json(plain_values(result))
     else:
         print_evaluation(result)
     say(f"Measured in {sum(result.seconds.values()):.0f} s")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -23,7 +22,7 @@ from shapeconcepts.cli.options import (
     scan_files,
 )
 from shapeconcepts.cli.pictures import check_picture_path, save_picture
-from shapeconcepts.cli.terminal import fail, print_table
+from shapeconcepts.cli.terminal import fail, print_table, tell, tell_json
 
 if TYPE_CHECKING:
     from shapeconcepts.model import ShapeConceptModel
@@ -96,7 +95,7 @@ def explain(
     responses = learned.response_.transform(stimuli)[0].tolist()
     if as_json:
         document = _document(learned, found.name, explanation, concept, responses)
-        typer.echo(json.dumps(document, indent=2, allow_nan=False))
+        tell_json(document)
     else:
         _print(learned, found, explanation, concept, responses)
     if image is not None:
@@ -156,19 +155,19 @@ def _print(
     concept: int,
     responses: list[float],
 ) -> None:
-    typer.echo(f"{found.name}: {_verdict(model, concept, responses)}")
+    tell(f"{found.name}: {_verdict(model, concept, responses)}")
     rows = list(_motif_rows(explanation))
     if not rows:
-        typer.echo("Nothing fired: none of its combinations of surfaces is like those seen in training.")
+        tell("Nothing fired: none of its combinations of surfaces is like those seen in training.")
         return
     count = len(explanation.motifs)
     shown = f", the strongest {len(rows)}" if len(rows) < count else ""
     if explanation.columns == "motifs":
-        typer.echo(f"{count} motif{'s' if count > 1 else ''} fired{shown}:")
+        tell(f"{count} motif{'s' if count > 1 else ''} fired{shown}:")
     elif explanation.n_constellations == 1:
-        typer.echo("Its only surface reminds of training scans:")
+        tell("Its only surface reminds of training scans:")
     else:
-        typer.echo(
+        tell(
             f"{count} of its {explanation.n_constellations} combinations of surfaces "
             f"remind{'s' if count == 1 else ''} of training scans{shown}:"
         )

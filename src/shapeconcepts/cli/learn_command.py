@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
@@ -39,6 +38,7 @@ from shapeconcepts.cli.terminal import (
     progress,
     say,
     say_skipped,
+    tell_json,
     warnings_said,
 )
 
@@ -171,9 +171,7 @@ def learn(
     if as_json:
         skipped = [{"name": name, "reason": reason} for name, reason in collection.skipped]
         paths = {"model": str(model), "report": None if report is None else str(report)}
-        typer.echo(
-            json.dumps({**paths, **model_summary(learner), "skipped": skipped}, indent=2, allow_nan=False)
-        )
+        tell_json({**paths, **model_summary(learner), "skipped": skipped})
     else:
         print_concepts(learner)
     say(f"Learned {in_words(learner)}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from functools import partial
 from itertools import takewhile
 from pathlib import Path
@@ -25,7 +24,7 @@ from shapeconcepts.cli.options import (
     set_from_options,
 )
 from shapeconcepts.cli.pictures import check_picture_path, save_picture
-from shapeconcepts.cli.terminal import fail, print_table, progress, say_skipped
+from shapeconcepts.cli.terminal import fail, print_table, progress, say_skipped, tell_json
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -128,7 +127,7 @@ def segment(
     saved = image is None or not drawn or save_picture(contact_sheet(drawn), image)
     if as_json:
         reasons = [{"name": result.name, "reason": result.reason} for result in skipped]
-        typer.echo(json.dumps({"scans": summaries, "skipped": reasons}, indent=2, allow_nan=False))
+        tell_json({"scans": summaries, "skipped": reasons})
     elif summaries:
         titles = ("scan", "points", "voxels", "segments", "sizes", "neighbours")
         print_table(titles, [_row(summary) for summary in summaries])
