@@ -178,11 +178,11 @@ def _evaluate(
 
     start = perf_counter()
     presets = [preset, *(other for other in PRESETS if other != preset)]
-    model = ShapeConceptModel.preset(preset)
     reader = ObjectReader(
         reading={},
         segmenter=Segmenter(),
-        descriptor=model.descriptor,
+        # It holds what the descriptors of all presets hold: what it can describe, they can.
+        descriptor=ShapeConceptModel().descriptor,
         cache=None if no_cache else user_cache(),
         keep_segmented=True,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -89,10 +90,11 @@ def explain(
     reader = object_reader(learned, reading, scenes, keep_segmented=True)
     found = _choose(reader(file), scan, number)
     assert found.described is not None and found.segmented is not None
-    explanation = learned.ensemble_.explain(found.described)
-    stimuli = learned.stimuli([found.described])
-    concept = int(learned.response_.predict(stimuli)[0])
-    responses = learned.response_.transform(stimuli)[0].tolist()
+    with _failure_said(found.name, "explained"):
+        explanation = learned.ensemble_.explain(found.described)
+        stimuli = learned.stimuli([found.described])
+        concept = int(learned.response_.predict(stimuli)[0])
+        responses = learned.response_.transform(stimuli)[0].tolist()
     if as_json:
         document = _document(learned, found.name, explanation, concept, responses)
         tell_json(document)
@@ -102,9 +104,21 @@ def explain(
         from shapeconcepts.report import draw_explanation
 
         seen = _TrainingObjects(learned, training, reader) if training else None
-        picture = draw_explanation(explanation, found.segmented, seen)
-        if not save_picture(picture, image):
+        with _failure_said(found.name, "drawn"):
+            picture = draw_explanation(explanation, found.segmented, seen)
+        if not save_picture(lambda: picture, image):
             raise typer.Exit(1)
+
+
+@contextmanager
+def _failure_said(name: str, step: str) -> Iterator[None]:
+    from shapeconcepts.scan import ScanError, scan_errors
+
+    try:
+        with scan_errors(name, step):
+            yield
+    except ScanError as error:
+        fail(str(error))
 
 
 def _choose(objects: list[ReadObject], scan: Path, number: int | None) -> ReadObject:
@@ -135,13 +149,17 @@ class _TrainingObjects(Sequence["SegmentedObject"]):
         return len(self._names)
 
     def __getitem__(self, index: Any) -> Any:
+        from shapeconcepts.scan import ScanError
+
         name = self._names[index]
         file = self._file(name)
         assert file is not None
         for one in self._reader(file):
             if one.name == name and one.segmented is not None:
                 return one.segmented
-        fail(f"--training-data: {file.path}: does not hold {name}, which the model was learned from")
+        raise ScanError(
+            f"--training-data: {file.path}: does not hold {name}, which the model was learned from"
+        )
 
     def _file(self, name: str) -> ScanFile | None:
         # An object of a scene is called after the scene, with a number.

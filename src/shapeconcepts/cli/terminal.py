@@ -57,10 +57,10 @@ def tell_json(document: object) -> None:
     typer.echo(json.dumps(document, indent=2, allow_nan=False))
 
 
-def say_skipped(skipped: Sequence[tuple[str, str]], n_scans: int) -> None:
-    """List scans, by name and reason, that could not be used."""
+def say_skipped(skipped: Sequence[tuple[str, str]], n_scans: int, what: str = "Skipped") -> None:
+    """List scans, by name and reason, that something was not possible with."""
     if skipped:
-        say(f"Skipped {len(skipped)} of {n_scans} scans:")
+        say(f"{what} {len(skipped)} of {n_scans} scans:")
         for name, reason in skipped:
             # Most reasons name the file already, by its whole path.
             say(f"  {reason if printable(name) in reason else f'{name}: {reason}'}")
