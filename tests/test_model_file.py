@@ -111,7 +111,8 @@ def test_names_survive(model, path):
     assert loaded.get_feature_names_out().tolist() == model.get_feature_names_out().tolist()
     assert loaded.concepts_[1].name == 'näme "1"\n\udcff'
     assert loaded.skipped_ == model.skipped_
-    assert "not\udcff a scan" in loaded.skipped_[2]
+    assert loaded.scan_names_[2] == "not\udcff a scan"
+    assert "not\\udcff a scan" in loaded.skipped_[2]
     assert loaded.scan_labels_ == model.scan_labels_
 
 

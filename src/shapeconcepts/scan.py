@@ -2,18 +2,54 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from shapeconcepts.printable import printable
+
 
 class ScanError(ValueError):
-    """A scan that cannot be used; the message names the file or scan and the reason."""
+    """A scan that cannot be used; the message names the file or scan and the reason.
+
+    What the message quotes of names and files is made printable.
+    """
+
+    def __init__(self, message: object) -> None:
+        super().__init__(printable(str(message)))
 
 
 class ScanWarning(UserWarning):
-    """Some scans cannot be used, and are skipped."""
+    """Some scans cannot be used, and are skipped; the message is printable, as that of a ScanError."""
+
+    def __init__(self, message: object) -> None:
+        super().__init__(printable(str(message)))
+
+
+@contextmanager
+def scan_errors(name: str, step: str) -> Iterator[None]:
+    """Turn whatever is raised within into a ScanError.
+
+    What nobody foresaw in a scan must not end the work on a thousand others.
+
+    Parameters
+    ----------
+    name : str
+        Of the scan.
+    step : str
+        What is done to it, such as "read" or "segmented".
+    """
+    try:
+        yield
+    except ScanError:
+        raise
+    except MemoryError as error:
+        raise ScanError(f"{name}: needs more memory than there is to be {step}") from error
+    except Exception as error:
+        raise ScanError(f"{name}: cannot be {step} ({type(error).__name__}: {error})") from error
 
 
 def whole_numbers(values: ArrayLike) -> NDArray[np.int64]:

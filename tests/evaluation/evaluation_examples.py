@@ -28,6 +28,7 @@ HOSTILE = [
     "--><!-- ]]>",
     "new\nline\ttab",
     "",
+    "\x1b[31m \x01\x9b \udcff \u202e \ufffe",
 ]
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Annotated, Any
 
 import typer
@@ -15,17 +17,40 @@ from shapeconcepts.cli.learn_command import learn
 from shapeconcepts.cli.respond_command import respond
 from shapeconcepts.cli.segment_command import segment
 from shapeconcepts.cli.simulate_command import simulate
-from shapeconcepts.cli.terminal import INTERRUPTED, fail_for_output, say
+from shapeconcepts.cli.terminal import INTERRUPTED, fail_for_output, let_output_hold_any_text, say, tell
+from shapeconcepts.printable import printable
 from shapeconcepts.version import __version__
+
+# Typer comes with click within it, or beside it, and hands out only this of its errors.
+_UsageError: Any = typer.BadParameter.__base__
 
 
 class _Commands(TyperGroup):
+    def main(self, *args: Any, **kwargs: Any) -> Any:
+        let_output_hold_any_text()
+        return super().main(*args, **kwargs)
+
+    def make_context(self, *args: Any, **kwargs: Any) -> Any:
+        with _printable_errors():
+            return super().make_context(*args, **kwargs)
+
     def invoke(self, ctx: Any) -> Any:
         try:
-            return super().invoke(ctx)
+            with _printable_errors():
+                return super().invoke(ctx)
         except KeyboardInterrupt:
             say("Interrupted")
             raise typer.Exit(INTERRUPTED) from None
+
+
+@contextmanager
+def _printable_errors() -> Iterator[None]:
+    """Typer prints what it finds wrong with the command line itself, with what the user gave in it."""
+    try:
+        yield
+    except _UsageError as error:
+        error.message = printable(error.message)
+        raise
 
 
 app = typer.Typer(
@@ -104,7 +129,7 @@ app.command(
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"shapeconcepts {__version__}")
+        tell(f"shapeconcepts {__version__}")
         raise typer.Exit
 
 

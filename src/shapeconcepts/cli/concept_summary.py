@@ -106,4 +106,4 @@ def concept_title(model: ShapeConceptModel, number: int) -> str:
 
 def _shares(counts: dict[str, int], size: int) -> str:
     shares = [f"{label} {count / size:.0%}" for label, count in counts.items()]
-    return ", ".join(shares[:_LABELS_SHOWN]) + (" …" if len(shares) > _LABELS_SHOWN else "")
+    return ", ".join(shares[:_LABELS_SHOWN]) + (" ..." if len(shares) > _LABELS_SHOWN else "")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shlex
 import sys
 from pathlib import Path
@@ -30,6 +29,7 @@ from shapeconcepts.cli.terminal import (
     progress,
     say,
     say_skipped,
+    tell_json,
     warnings_said,
 )
 
@@ -140,7 +140,7 @@ def evaluate(
     if as_json:
         from shapeconcepts.evaluation.json_document import plain_values
 
-        typer.echo(json.dumps(plain_values(result), indent=2, allow_nan=False))
+        tell_json(plain_values(result))
     else:
         print_evaluation(result)
     say(f"Measured in {sum(result.seconds.values()):.0f} s")
@@ -178,11 +178,11 @@ def _evaluate(
 
     start = perf_counter()
     presets = [preset, *(other for other in PRESETS if other != preset)]
-    model = ShapeConceptModel.preset(preset)
     reader = ObjectReader(
         reading={},
         segmenter=Segmenter(),
-        descriptor=model.descriptor,
+        # It holds what the descriptors of all presets hold: what it can describe, they can.
+        descriptor=ShapeConceptModel().descriptor,
         cache=None if no_cache else user_cache(),
         keep_segmented=True,
     )

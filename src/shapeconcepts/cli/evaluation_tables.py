@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-import typer
 
-from shapeconcepts.cli.terminal import print_table
+from shapeconcepts.cli.terminal import print_table, tell
 
 if TYPE_CHECKING:
     from shapeconcepts.evaluation.metrics import GroupingScores
@@ -20,14 +19,14 @@ if TYPE_CHECKING:
         SupervisedResult,
     )
 
-_NOTHING = "–"
+_NOTHING = "-"
 _SCORE_TITLES = ("groups", "purity", "pure", "coverage", "explained", "AMI", "B³ F1")
 
 
 def print_evaluation(evaluation: Evaluation) -> None:
     """Print all experiments."""
     labels = ", ".join(f"{label} {count}" for label, count in evaluation.labels.items())
-    typer.echo(
+    tell(
         f"{evaluation.data_name}: {evaluation.n_objects} objects ({labels}); "
         f"75 % to learn from, {evaluation.repetitions} repetitions"
     )
@@ -61,7 +60,7 @@ def _print_groupings(evaluation: Evaluation) -> None:
     best_first = sorted(evaluation.baselines, key=_explained, reverse=True)
     rows += [[f"{row.representation}, {row.grouping}", *_scores(row.scores)] for row in best_first]
     print_table(["groups by", *_SCORE_TITLES], rows)
-    typer.echo(
+    tell(
         "explained: share of all objects in a group whose majority label is theirs. AMI: adjusted mutual "
         "information. Baselines by what they explain. Medians over the repetitions."
     )
@@ -130,13 +129,13 @@ def _print_map(result: MapResult) -> None:
             by_trained = _percent(trained[label]) if label in trained else _NOTHING
             rows.append([data_set, label, str(n_objects), _percent(share), by_trained])
     print_table(["data set", "label", "objects", "all decide", "trained decide"], rows)
-    typer.echo(
+    tell(
         "Regions by the majority of the nearest 5 % of all objects on the map, as in the paper; and of those "
         "that were trained on alone, so that no object votes for its own kind."
     )
     unplaced = ", ".join(f"{name} {count}" for name, count in result.unplaced.items())
     if unplaced:
-        typer.echo(f"Objects that remind of nothing learned, and are not on the map: {unplaced}")
+        tell(f"Objects that remind of nothing learned, and are not on the map: {unplaced}")
 
 
 def _scores(scores: Sequence[GroupingScores]) -> list[str]:
@@ -171,4 +170,5 @@ def _percent(share: float) -> str:
 
 
 def _title(text: str) -> None:
-    typer.echo(f"\n{text}")
+    tell("")
+    tell(text)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,7 +24,7 @@ from shapeconcepts.cli.options import (
     scan_files,
 )
 from shapeconcepts.cli.pictures import check_picture_path, save_picture
-from shapeconcepts.cli.terminal import fail, print_table
+from shapeconcepts.cli.terminal import fail, print_table, tell, tell_json
 
 if TYPE_CHECKING:
     from shapeconcepts.model import ShapeConceptModel
@@ -91,22 +91,35 @@ def explain(
     reader = object_reader(learned, reading, scenes, keep_segmented=True)
     found = _choose(reader(file), scan, number)
     assert found.described is not None and found.segmented is not None
-    explanation = learned.ensemble_.explain(found.described)
-    stimuli = learned.stimuli([found.described])
-    concept = int(learned.response_.predict(stimuli)[0])
-    responses = learned.response_.transform(stimuli)[0].tolist()
+    with _failure_said(found.name, "explained"):
+        explanation = learned.ensemble_.explain(found.described)
+        stimuli = learned.stimuli([found.described])
+        concept = int(learned.response_.predict(stimuli)[0])
+        responses = learned.response_.transform(stimuli)[0].tolist()
     if as_json:
         document = _document(learned, found.name, explanation, concept, responses)
-        typer.echo(json.dumps(document, indent=2, allow_nan=False))
+        tell_json(document)
     else:
         _print(learned, found, explanation, concept, responses)
     if image is not None:
         from shapeconcepts.report import draw_explanation
 
         seen = _TrainingObjects(learned, training, reader) if training else None
-        picture = draw_explanation(explanation, found.segmented, seen)
-        if not save_picture(picture, image):
+        with _failure_said(found.name, "drawn"):
+            picture = draw_explanation(explanation, found.segmented, seen)
+        if not save_picture(lambda: picture, image):
             raise typer.Exit(1)
+
+
+@contextmanager
+def _failure_said(name: str, step: str) -> Iterator[None]:
+    from shapeconcepts.scan import ScanError, scan_errors
+
+    try:
+        with scan_errors(name, step):
+            yield
+    except ScanError as error:
+        fail(str(error))
 
 
 def _choose(objects: list[ReadObject], scan: Path, number: int | None) -> ReadObject:
@@ -137,13 +150,17 @@ class _TrainingObjects(Sequence["SegmentedObject"]):
         return len(self._names)
 
     def __getitem__(self, index: Any) -> Any:
+        from shapeconcepts.scan import ScanError
+
         name = self._names[index]
         file = self._file(name)
         assert file is not None
         for one in self._reader(file):
             if one.name == name and one.segmented is not None:
                 return one.segmented
-        fail(f"--training-data: {file.path}: does not hold {name}, which the model was learned from")
+        raise ScanError(
+            f"--training-data: {file.path}: does not hold {name}, which the model was learned from"
+        )
 
     def _file(self, name: str) -> ScanFile | None:
         # An object of a scene is called after the scene, with a number.
@@ -157,19 +174,19 @@ def _print(
     concept: int,
     responses: list[float],
 ) -> None:
-    typer.echo(f"{found.name}: {_verdict(model, concept, responses)}")
+    tell(f"{found.name}: {_verdict(model, concept, responses)}")
     rows = list(_motif_rows(explanation))
     if not rows:
-        typer.echo("Nothing fired: none of its combinations of surfaces is like those seen in training.")
+        tell("Nothing fired: none of its combinations of surfaces is like those seen in training.")
         return
     count = len(explanation.motifs)
     shown = f", the strongest {len(rows)}" if len(rows) < count else ""
     if explanation.columns == "motifs":
-        typer.echo(f"{count} motif{'s' if count > 1 else ''} fired{shown}:")
+        tell(f"{count} motif{'s' if count > 1 else ''} fired{shown}:")
     elif explanation.n_constellations == 1:
-        typer.echo("Its only surface reminds of training scans:")
+        tell("Its only surface reminds of training scans:")
     else:
-        typer.echo(
+        tell(
             f"{count} of its {explanation.n_constellations} combinations of surfaces "
             f"remind{'s' if count == 1 else ''} of training scans{shown}:"
         )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -10,7 +9,7 @@ import typer
 from shapeconcepts.cli.concept_summary import UNKNOWN, in_words, model_summary, print_concepts
 from shapeconcepts.cli.model_input import read_model
 from shapeconcepts.cli.options import Json, ModelFile
-from shapeconcepts.cli.terminal import fail, say
+from shapeconcepts.cli.terminal import fail, say, tell, tell_json
 
 if TYPE_CHECKING:
     from shapeconcepts.model import ShapeConceptModel
@@ -43,10 +42,10 @@ def info(
             fail(f"cannot write {model}: {error.strerror or error}")
     summary = model_summary(learned)
     if as_json:
-        typer.echo(json.dumps({"model": str(model), **summary}, indent=2, allow_nan=False))
+        tell_json({"model": str(model), **summary})
         return
-    typer.echo(f"{model}: {in_words(learned)}; {summary['n_motifs']} {learned.ensemble_.columns}")
-    typer.echo(", ".join(f"{key} {value}" for key, value in summary["parameters"].items()))
+    tell(f"{model}: {in_words(learned)}; {summary['n_motifs']} {learned.ensemble_.columns}")
+    tell(", ".join(f"{key} {value}" for key, value in summary["parameters"].items()))
     print_concepts(learned)
     if name:
         say(f"Wrote {model}")

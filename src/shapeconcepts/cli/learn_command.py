@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
@@ -39,6 +38,7 @@ from shapeconcepts.cli.terminal import (
     progress,
     say,
     say_skipped,
+    tell_json,
     warnings_said,
 )
 
@@ -56,8 +56,9 @@ class _Collection(NamedTuple):
     """What the scans gave."""
 
     described: list[DescribedObject]
-    previews: list[ScanPreview]
+    previews: list[ScanPreview | None]
     skipped: list[tuple[str, str]]
+    undrawn: list[tuple[str, str]]
 
 
 def learn(
@@ -126,7 +127,8 @@ def learn(
     Scans whose composition of surfaces is alike end in one concept. The concepts are printed as a table; the
     model can then say of new scans which concept they resemble (`respond`), and why (`explain`).
 
-    Scans that cannot be used are skipped and listed at the end. The exit code is 0 if a model was written
+    Scans that cannot be used are skipped and listed at the end, as are those that the report cannot show. The
+    exit code is 0 if a model was written
     (and the report, if wanted), 1 if not, and 2 if the command line is wrong. Ctrl-C ends it with 130 and
     leaves files as they were.
     """
@@ -171,13 +173,12 @@ def learn(
     if as_json:
         skipped = [{"name": name, "reason": reason} for name, reason in collection.skipped]
         paths = {"model": str(model), "report": None if report is None else str(report)}
-        typer.echo(
-            json.dumps({**paths, **model_summary(learner), "skipped": skipped}, indent=2, allow_nan=False)
-        )
+        tell_json({**paths, **model_summary(learner), "skipped": skipped})
     else:
         print_concepts(learner)
     say(f"Learned {in_words(learner)}")
     say_skipped(collection.skipped, len(collection.described) + len(collection.skipped))
+    say_skipped(collection.undrawn, len(collection.described), "Could not draw")
     for line in written:
         say(line)
     if any(line.startswith("Error") for line in written):
@@ -193,7 +194,7 @@ def _learner(preset: str) -> ShapeConceptModel:
 def _collect(
     sources: list[ScanFile | SimulatedObject], reader: ObjectReader, jobs: int, strict: bool
 ) -> _Collection:
-    collection = _Collection([], [], [])
+    collection = _Collection([], [], [], [])
     cache_failure = ""
     reading = read_objects(sources, reader, jobs, strict=strict)
     for objects in progress(reading, len(sources), "Segmenting"):
@@ -203,8 +204,9 @@ def _collect(
                 collection.skipped.append((one.name, one.reason))
             else:
                 collection.described.append(one.described)
-                if one.preview is not None:
-                    collection.previews.append(one.preview)
+                collection.previews.append(one.preview)
+                if one.drawing_failure:
+                    collection.undrawn.append((one.name, one.drawing_failure))
     if cache_failure:
         say(
             f"Note: segments are not kept for the next time, as the cache cannot be written ({cache_failure})"

@@ -44,7 +44,10 @@ class SimulatedObject:
 
 
 class ReadObject(NamedTuple):
-    """What became of an object: its description and what else was asked for, or why there is none."""
+    """What became of an object: its description and what else was asked for, or why there is none.
+
+    Where there is a description, but no preview, `drawing_failure` says why.
+    """
 
     name: str
     described: DescribedObject | None = None
@@ -52,6 +55,7 @@ class ReadObject(NamedTuple):
     preview: ScanPreview | None = None
     reason: str = ""
     cache_failure: str = ""
+    drawing_failure: str = ""
 
 
 @dataclass(frozen=True)
@@ -80,18 +84,18 @@ class ObjectReader:
 
     def __call__(self, source: Source) -> list[ReadObject]:
         """Objects of a source; never raises for what is wrong with a scan."""
-        from shapeconcepts.scan import ScanError
+        from shapeconcepts.scan import ScanError, scan_errors
 
         try:
-            key = self._key(source)
-            kept = None if key is None or self.cache is None else self.cache.load(key)
-            if kept is not None:
-                return [self._finish(_called(one, source)) for one in kept]
-            results = [self._segment(scan) for scan in self._scans(source)]
+            with scan_errors(source.name, "read"):
+                key = self._key(source)
+                kept = None if key is None or self.cache is None else self.cache.load(key)
+                scans = self._scans(source) if kept is None else []
         except ScanError as error:
             return [ReadObject(source.name, reason=str(error))]
-        except MemoryError:
-            return [ReadObject(source.name, reason=f"{source.name}: needs more memory than there is")]
+        if kept is not None:
+            return [self._finish(_called(one, source)) for one in kept]
+        results = [self._segment(scan) for scan in scans]
         failure = self._keep(key, results, source)
         finished = [one if one.segmented is None else self._finish(one.segmented) for one in results]
         return [one._replace(cache_failure=failure) for one in finished]
@@ -118,33 +122,40 @@ class ObjectReader:
         return objects
 
     def _segment(self, scan: Scan) -> ReadObject:
-        from shapeconcepts.scan import ScanError
+        from shapeconcepts.scan import ScanError, scan_errors
 
         try:
-            return ReadObject(scan.name, segmented=self.segmenter.segment(scan))
+            with scan_errors(scan.name, "segmented"):
+                return ReadObject(scan.name, segmented=self.segmenter.segment(scan))
         except ScanError as error:
             return ReadObject(scan.name, reason=str(error))
-        except MemoryError:
-            raise
-        except Exception as error:
-            # What nobody foresaw in a scan must not end the work on a thousand others.
-            reason = f"{scan.name}: cannot be segmented ({type(error).__name__}: {error})"
-            return ReadObject(scan.name, reason=reason)
 
     def _finish(self, segmented: SegmentedObject) -> ReadObject:
         from shapeconcepts.descriptors import describe
+        from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
+        from shapeconcepts.scan import ScanError, scan_errors
 
-        preview = None
-        if self.make_preview:
-            from shapeconcepts.report.html import preview as make_preview
+        name, count = segmented.name, segmented.n_segments
+        try:
+            # A model that was learned in Python may cut scans into more than can be composed.
+            if count > MAX_SEGMENTS:
+                raise ScanError(f"{name}: has {count} segments, expected at most {MAX_SEGMENTS}")
+            with scan_errors(name, "described"):
+                described = describe(segmented, self.descriptor)
+        except ScanError as error:
+            return ReadObject(name, reason=str(error))
+        finished = ReadObject(name, described, segmented if self.keep_segmented else None)
+        return self._with_preview(finished, segmented) if self.make_preview else finished
 
-            preview = make_preview(segmented)
-        return ReadObject(
-            segmented.name,
-            describe(segmented, self.descriptor),
-            segmented if self.keep_segmented else None,
-            preview,
-        )
+    def _with_preview(self, finished: ReadObject, segmented: SegmentedObject) -> ReadObject:
+        from shapeconcepts.report.html import preview
+        from shapeconcepts.scan import ScanError, scan_errors
+
+        try:
+            with scan_errors(segmented.name, "drawn"):
+                return finished._replace(preview=preview(segmented))
+        except ScanError as error:
+            return finished._replace(drawing_failure=str(error))
 
     def _keep(self, key: str | None, results: list[ReadObject], source: Source) -> str:
         """Put a source's objects into the cache; why that is not possible, or nothing."""

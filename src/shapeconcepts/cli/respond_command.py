@@ -89,8 +89,9 @@ def respond(
         found = _usable(progress(read, len(files), "Reading scans", show=not writer.streams), skipped, strict)
         with one_thread():
             while chunk := list(islice(found, _AT_ONCE)):
-                writer.write(_responses(learned, chunk))
-                count += len(chunk)
+                responses = _responses_or_reasons(learned, chunk, skipped)
+                writer.write(responses)
+                count += len(responses)
         if strict and skipped:
             fail(skipped[0][1])
         _finish(writer, output)
@@ -114,6 +115,22 @@ def _usable(
                 skipped.append((one.name, one.reason))
                 if strict:
                     return
+
+
+def _responses_or_reasons(
+    model: ShapeConceptModel, objects: list[ReadObject], skipped: list[tuple[str, str]]
+) -> list[Response]:
+    """Responses to several scans at once or, where that fails, one by one; those without one are noted."""
+    from shapeconcepts.scan import ScanError, scan_errors
+
+    try:
+        with scan_errors(objects[0].name, "compared with the concepts"):
+            return _responses(model, objects)
+    except ScanError as error:
+        if len(objects) == 1:
+            skipped.append((objects[0].name, str(error)))
+            return []
+    return [response for one in objects for response in _responses_or_reasons(model, [one], skipped)]
 
 
 def _responses(model: ShapeConceptModel, objects: list[ReadObject]) -> list[Response]:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import typer
 
-from shapeconcepts.cli.terminal import fail, print_table, table_text
+from shapeconcepts.cli.terminal import fail, is_terminal, print_table, table_text
+from shapeconcepts.printable import encodable, printable
 
 if TYPE_CHECKING:
     import numpy as np
@@ -101,6 +102,8 @@ class LineWriter(ResponseWriter):
     def __init__(self, model: ShapeConceptModel, to_file: bool) -> None:
         super().__init__(model, to_file)
         self.stream = StringIO() if to_file else sys.stdout
+        # To a program a name is the file's own; at a terminal it must do nothing.
+        self.shown = encodable if to_file or not is_terminal(sys.stdout) else printable
         self.start()
 
     def start(self) -> None:
@@ -123,13 +126,17 @@ class CsvWriter(LineWriter):
     """Scan, label, concept, and a column for each concept; an empty cell where there is no response."""
 
     def start(self) -> None:
-        self.csv = csv.writer(self.stream, lineterminator="\n")
-        self.csv.writerow(["scan", "label", "concept", *self.titles])
+        self._write_row(["scan", "label", "concept", *map(self.shown, self.titles)])
 
     def write_line(self, one: Response) -> None:
-        self.csv.writerow(
-            [one.scan, one.label or "", one.concept, *["" if v != v else repr(v) for v in _floats(one)]]
-        )
+        names = map(self.shown, (one.scan, one.label or "", one.concept))
+        self._write_row([*names, *["" if v != v else repr(v) for v in _floats(one)]])
+
+    def _write_row(self, cells: list[str]) -> None:
+        row = StringIO()
+        # What is quoted are the characters of this end of a line; ours is the newline alone.
+        csv.writer(row, lineterminator="\r\n").writerow(cells)
+        self.stream.write(row.getvalue().removesuffix("\r\n") + "\n")
 
 
 class JsonLinesWriter(LineWriter):
@@ -155,12 +162,12 @@ class ParquetWriter(ResponseWriter):
         )
         text = pyarrow.string()
         columns = {
-            "scan": pyarrow.array([one.scan for one in self.responses], text),
-            "label": pyarrow.array([one.label for one in self.responses], text),
-            "concept": pyarrow.array([one.concept for one in self.responses], text),
+            "scan": pyarrow.array([encodable(one.scan) for one in self.responses], text),
+            "label": pyarrow.array([one.label and encodable(one.label) for one in self.responses], text),
+            "concept": pyarrow.array([encodable(one.concept) for one in self.responses], text),
         }
         for title, column in zip(self.titles, values.T, strict=True):
-            columns[title] = pyarrow.array(column, pyarrow.float64(), from_pandas=True)
+            columns[encodable(title)] = pyarrow.array(column, pyarrow.float64(), from_pandas=True)
         content = BytesIO()
         pyarrow.parquet.write_table(pyarrow.table(columns), content)
         return content.getvalue()

@@ -25,7 +25,7 @@ from shapeconcepts.cli.options import (
     set_from_options,
 )
 from shapeconcepts.cli.pictures import check_picture_path, save_picture
-from shapeconcepts.cli.terminal import fail, print_table, progress, say_skipped
+from shapeconcepts.cli.terminal import fail, print_table, progress, say_skipped, tell_json
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 class _Result(NamedTuple):
-    """What a scan gives: a summary with or without a picture, or the reason why it gives neither."""
+    """What a scan gives: a summary and, if wanted, a picture; the reason why one of them is missing."""
 
     name: str
     summary: dict[str, Any] | None = None
@@ -87,8 +87,9 @@ def segment(
     """Cut scans into the surface segments they are made of.
 
     A segment is a piece of surface that goes on smoothly, such as the face of a box or the side of a can.
-    Scans that cannot be used are skipped and listed at the end. The exit code is 0 if at least one scan was
-    segmented (with --strict: all of them), 1 if not, and 2 if the command line is wrong.
+    Scans that cannot be used are skipped and listed at the end, as are those that cannot be drawn. The exit
+    code is 0 if at least one scan was segmented (with --strict: all of them) and the picture, if wanted, was
+    written, 1 if not, and 2 if the command line is wrong.
     """
     from shapeconcepts.parallel import map_in_order
     from shapeconcepts.report import contact_sheet
@@ -125,14 +126,16 @@ def segment(
     if strict and skipped:
         fail(skipped[0].reason)
     drawn = [result.picture for result in results if result.picture is not None]
-    saved = image is None or not drawn or save_picture(contact_sheet(drawn), image)
+    undrawn = [result for result in results if result.summary is not None and result.reason]
+    saved = image is None or (bool(drawn) and save_picture(lambda: contact_sheet(drawn), image))
     if as_json:
         reasons = [{"name": result.name, "reason": result.reason} for result in skipped]
-        typer.echo(json.dumps({"scans": summaries, "skipped": reasons}, indent=2, allow_nan=False))
+        tell_json({"scans": summaries, "skipped": reasons})
     elif summaries:
         titles = ("scan", "points", "voxels", "segments", "sizes", "neighbours")
         print_table(titles, [_row(summary) for summary in summaries])
     say_skipped([(result.name, result.reason) for result in skipped], len(files))
+    say_skipped([(result.name, result.reason) for result in undrawn], len(files), "Could not draw")
     if not summaries or not saved:
         raise typer.Exit(1)
 
@@ -141,18 +144,26 @@ def _segment_file(
     file: ScanFile, reading: ReadOptions, segmenter: Segmenter, picture_size: int | None
 ) -> _Result:
     from shapeconcepts.report import draw_segments
-    from shapeconcepts.scan import ScanError
+    from shapeconcepts.scan import ScanError, scan_errors
     from shapeconcepts.sources.collection import iter_scans
 
-    [scan] = iter_scans([file], **reading)
-    if isinstance(scan, ScanError):
-        return _Result(file.name, reason=str(scan))
+    summary = None
     try:
-        item = segmenter.segment(scan)
+        with scan_errors(file.name, "read"):
+            [scan] = iter_scans([file], **reading)
+        if isinstance(scan, ScanError):
+            raise scan
+        with scan_errors(file.name, "segmented"):
+            item = segmenter.segment(scan)
+            found = _summary(item)
+            # A number that JSON does not know must not cost the document about all others.
+            json.dumps(found, allow_nan=False)
+            summary = found
+        with scan_errors(file.name, "drawn"):
+            picture = None if picture_size is None else draw_segments(item, size=picture_size)
     except ScanError as error:
-        return _Result(file.name, reason=str(error))
-    picture = None if picture_size is None else draw_segments(item, size=picture_size)
-    return _Result(file.name, summary=_summary(item), picture=picture)
+        return _Result(file.name, summary, reason=str(error))
+    return _Result(file.name, summary, picture)
 
 
 def _summary(item: SegmentedObject) -> dict[str, Any]:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from shapeconcepts.cli.terminal import fail, progress, say
+from shapeconcepts.cli.terminal import fail, progress, say, tell_json
 
 
 def simulate(
@@ -70,8 +69,6 @@ def simulate(
     except OSError as error:
         fail(f"cannot write to {folder}: {error.strerror or error}")
     if as_json:
-        typer.echo(
-            json.dumps({"folder": str(folder), "random_state": random_state, "files": written}, indent=2)
-        )
+        tell_json({"folder": str(folder), "random_state": random_state, "files": written})
     else:
         say(f"Wrote {len(written)} scans of {len(set(chosen))} categories to {folder}")

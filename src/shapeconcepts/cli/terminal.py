@@ -1,18 +1,25 @@
-"""What the commands share when they talk to the user: results go to stdout, everything else to stderr."""
+"""What the commands share when they talk to the user: results go to stdout, everything else to stderr.
+
+Whatever they say goes through here, and is made printable: names come from files and models of others.
+"""
 
 from __future__ import annotations
 
 import errno
+import json
 import os
 import sys
 import tempfile
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn, TextIO, TypeVar
 
 import typer
+
+from shapeconcepts.printable import printable
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -24,18 +31,39 @@ T = TypeVar("T")
 INTERRUPTED = 130
 
 
+# What lines of tables are drawn with.
+_LINE = "─"
+
+
+def let_output_hold_any_text() -> None:
+    """Escape what the encoding of the output lacks: a name must not end a command after all the work."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
 def say(message: str) -> None:
     """Tell the user something that is not the result."""
-    typer.echo(message, err=True)
+    typer.echo(printable(message), err=True)
 
 
-def say_skipped(skipped: Sequence[tuple[str, str]], n_scans: int) -> None:
-    """List scans, by name and reason, that could not be used."""
+def tell(line: str) -> None:
+    """A line of the result."""
+    typer.echo(printable(line))
+
+
+def tell_json(document: object) -> None:
+    """The result as JSON, in ASCII; a name in it is the file's own, whatever bytes it has."""
+    typer.echo(json.dumps(document, indent=2, allow_nan=False))
+
+
+def say_skipped(skipped: Sequence[tuple[str, str]], n_scans: int, what: str = "Skipped") -> None:
+    """List scans, by name and reason, that something was not possible with."""
     if skipped:
-        say(f"Skipped {len(skipped)} of {n_scans} scans:")
+        say(f"{what} {len(skipped)} of {n_scans} scans:")
         for name, reason in skipped:
             # Most reasons name the file already, by its whole path.
-            say(f"  {reason if name in reason else f'{name}: {reason}'}")
+            say(f"  {reason if printable(name) in reason else f'{name}: {reason}'}")
 
 
 def fail(message: str) -> NoReturn:
@@ -69,18 +97,18 @@ def progress(items: Iterable[T], total: int, description: str, *, show: bool = T
     """The items, with a bar, the rate and the time left while stderr is a terminal."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    if not (show and _is_terminal(sys.stderr)):
+    if not (show and is_terminal(sys.stderr)):
         yield from items
         return
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
-        TextColumn("{task.fields[rate]}"),
+        TextColumn("{task.fields[rate]}", markup=False),
         TimeRemainingColumn(elapsed_when_finished=True),
     )
     with Progress(*columns, console=_stderr(), transient=True) as bars:
-        bar = bars.add_task(description, total=total, rate="")
+        bar = bars.add_task(printable(description), total=total, rate="")
         for item in items:
             yield item
             bars.advance(bar)
@@ -94,12 +122,17 @@ def busy(description: str) -> Iterator[None]:
     """A sign of life, with the time that has passed, while stderr is a terminal."""
     from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-    if not _is_terminal(sys.stderr):
+    if not is_terminal(sys.stderr):
         yield
         return
-    with Progress(*columns, console=_stderr(), transient=True) as bars:
-        bars.add_task(description, total=None)
+    console = _stderr()
+    columns = (
+        SpinnerColumn("line" if console.options.ascii_only else "dots"),
+        TextColumn("{task.description}", markup=False),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=console, transient=True) as bars:
+        bars.add_task(printable(description), total=None)
         yield
 
 
@@ -135,7 +168,8 @@ def _stderr() -> Console:
     return Console(stderr=True)
 
 
-def _is_terminal(stream: TextIO | None) -> bool:
+def is_terminal(stream: TextIO | None) -> bool:
+    """Whether a person looks at the stream; there is none where it was closed."""
     return stream is not None and stream.isatty()
 
 
@@ -146,36 +180,52 @@ def print_table(titles: Sequence[str], rows: Iterable[Sequence[str]], folding: s
     """
     from rich.console import Console
 
-    console = Console(markup=False, highlight=False)
+    console = Console()
+    encoding = console.encoding
     if console.is_terminal:
-        console.print(_table(titles, rows, folding or titles[0]))
+        console.print(_table(titles, rows, folding or titles[0], encoding))
     else:
-        typer.echo(table_text(titles, rows), nl=False)
+        typer.echo(table_text(titles, rows, encoding), nl=False)
 
 
-def table_text(titles: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table as wide as its content."""
+def table_text(titles: Sequence[str], rows: Iterable[Sequence[str]], encoding: str = "utf-8") -> str:
+    """A table as wide as its content, of what the encoding has."""
     from io import StringIO
 
     from rich.console import Console
 
-    table = _table(titles, rows, titles[0])
-    console = Console(file=StringIO(), markup=False, highlight=False, width=100_000)
+    table = _table(titles, rows, titles[0], encoding)
+    console = Console(file=StringIO(), width=100_000)
     console.width = console.measure(table).maximum
     with console.capture() as captured:
         console.print(table)
     return captured.get()
 
 
-def _table(titles: Sequence[str], rows: Iterable[Sequence[str]], folding: str) -> Table:
-    from rich.box import SIMPLE_HEAD
+def _table(titles: Sequence[str], rows: Iterable[Sequence[str]], folding: str, encoding: str) -> Table:
+    from rich.box import SIMPLE_HEAD, Box
     from rich.table import Table
+    from rich.text import Text
 
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    def cell(text: str) -> Text:
+        # Before columns get their widths. As Text, since what looks like rich's markup is part of a name.
+        return Text(_within(printable(text), encoding))
+
+    has_line = _within(_LINE, encoding) == _LINE
+    box = SIMPLE_HEAD if has_line else Box(str(SIMPLE_HEAD).replace(_LINE, "-"), ascii=True)
+    table = Table(box=box, pad_edge=False)
     for title in titles:
         # A number cut short reads like another number: only one column may be folded.
         folds = title == folding
-        table.add_column(title, no_wrap=not folds, overflow="fold", min_width=None if folds else len(title))
+        heading = cell(title)
+        table.add_column(
+            heading, no_wrap=not folds, overflow="fold", min_width=None if folds else heading.cell_len
+        )
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*map(cell, row))
     return table
+
+
+def _within(text: str, encoding: str) -> str:
+    """Text in which characters that the encoding lacks are escaped."""
+    return text.encode(encoding, "backslashreplace").decode(encoding)

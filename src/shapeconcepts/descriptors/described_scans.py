@@ -11,7 +11,7 @@ from shapeconcepts.descriptors.described_object import DescribedObject, describe
 from shapeconcepts.descriptors.protocol import Descriptor
 from shapeconcepts.parallel import map_in_order
 from shapeconcepts.parameters import as_list
-from shapeconcepts.scan import Scan, ScanError, ScanWarning
+from shapeconcepts.scan import Scan, ScanError, ScanWarning, scan_errors
 from shapeconcepts.segmentation import SegmentedObject, Segmenter
 
 
@@ -71,11 +71,8 @@ def describe_scan(
     if isinstance(scan, DescribedObject):
         return scan
     try:
-        segmented = scan if isinstance(scan, SegmentedObject) else segmenter.segment(scan)
-        return describe(segmented, descriptor)
+        with scan_errors(getattr(scan, "name", "") or "scan", "described"):
+            segmented = scan if isinstance(scan, SegmentedObject) else segmenter.segment(scan)
+            return describe(segmented, descriptor)
     except ScanError as error:
         return error
-    except Exception as error:
-        # What nobody foresaw in a scan must not end the work on a thousand others.
-        name = getattr(scan, "name", "") or "scan"
-        return ScanError(f"{name}: cannot be described ({type(error).__name__}: {error})")

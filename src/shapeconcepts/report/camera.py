@@ -26,9 +26,18 @@ def view_axes(
     -------
     (3, 3) float64
         Rows: right, up, and towards the camera; orthonormal.
+
+    Raises
+    ------
+    ValueError
+        If the viewpoint is too far away to compute with.
     """
     towards = normals.mean(axis=0) if viewpoint is None else viewpoint - points.mean(axis=0)
-    if np.linalg.norm(towards) < 1e-9:
+    with np.errstate(over="ignore"):
+        distance = np.linalg.norm(towards)
+    if not np.isfinite(distance):
+        raise ValueError(f"viewpoint must be near enough to look from, got {viewpoint}")
+    if distance < 1e-9:
         towards = np.array([0.0, 0.0, 1.0])
     towards = towards / np.linalg.norm(towards)
 

@@ -9,6 +9,7 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from shapeconcepts.printable import printable
 from shapeconcepts.report.palette import LABEL_COLOURS
 
 Place = Literal["outside lower center", "outside upper center"]
@@ -34,8 +35,8 @@ def label_colours(labels: Iterable[str]) -> dict[str, tuple[float, float, float]
 
 
 def shortened(name: str, longest: int = LONGEST_NAME) -> str:
-    """The name on one line, its middle left out where it is too long."""
-    name = " ".join(name.split()) or "(no name)"
+    """The name on one line, fit to be drawn, its middle left out where it is too long."""
+    name = printable(" ".join(name.split())) or "(no name)"
     if len(name) <= longest:
         return name
     head = longest // 2

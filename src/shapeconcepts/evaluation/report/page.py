@@ -14,6 +14,7 @@ from shapeconcepts.evaluation.report.drawing import draw_all
 from shapeconcepts.evaluation.report.number_formats import NOTHING, mean_error, mean_of, percent, whole
 from shapeconcepts.evaluation.report.sections import sections
 from shapeconcepts.io.atomic_write import write_atomically
+from shapeconcepts.printable import markup_bytes
 
 if TYPE_CHECKING:
     from shapeconcepts.evaluation.results import Evaluation
@@ -35,9 +36,7 @@ def write_evaluation(path: str | PathLike[str], evaluation: Evaluation) -> None:
     OSError
         If the file cannot be written.
     """
-    page = _document(evaluation)
-    # A file's name may hold bytes that no text has: Python keeps them as lone surrogates.
-    write_atomically(Path(path), page.encode("utf-8", errors="xmlcharrefreplace"))
+    write_atomically(Path(path), markup_bytes(_document(evaluation)))
 
 
 def _document(evaluation: Evaluation) -> str:

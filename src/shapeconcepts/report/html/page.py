@@ -15,6 +15,7 @@ from typing import Any
 
 from shapeconcepts.io.atomic_write import write_atomically
 from shapeconcepts.model import ShapeConceptModel
+from shapeconcepts.printable import markup_bytes
 from shapeconcepts.report.html.contents import report_contents
 from shapeconcepts.report.html.scan_preview import ScanPreview
 
@@ -76,8 +77,7 @@ def _document(contents: dict[str, Any], title: str) -> bytes:
         policy=f"default-src 'none'; img-src data:; style-src {_hash(style)}; script-src {_hash(script)}",
         contents=embedded_json(contents),
     )
-    # A file's name may hold bytes that no text has: Python keeps them as lone surrogates.
-    return page.encode("utf-8", errors="xmlcharrefreplace")
+    return markup_bytes(page)
 
 
 def embedded_json(value: object) -> str:
