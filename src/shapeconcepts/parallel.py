@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator, Sized
 from contextlib import contextmanager
+from functools import partial
 from itertools import islice
 from threading import RLock
 from typing import TypeVar
 
 from joblib import Parallel, delayed, effective_n_jobs
+from joblib._parallel_backends import LokyBackend
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
+
+from shapeconcepts.interruption import end_with_parent, signals_kept_from_children, uninterrupted
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -37,7 +42,7 @@ def map_in_order(
 
     A few jobs are threads, more are processes (loky), unless ``joblib.parallel_config(backend=...)`` says
     otherwise, which reaches a cluster. Work is sent along with each chunk of items: it should carry
-    parameters, not data.
+    parameters, not data. Processes end with this one.
 
     Parameters
     ----------
@@ -65,7 +70,14 @@ def map_in_order(
     tasks = (delayed(_work_on)(work, chunk) for chunk in chunks)
     few = n_jobs <= MOST_THREADS and not own_process
     prefer = "threads" if share_memory or few else "processes"
-    for results in Parallel(n_jobs, prefer=prefer, return_as="generator")(tasks):
+    parallel = Parallel(n_jobs, prefer=prefer, return_as="generator")
+    backend = parallel._backend
+    if isinstance(backend, LokyBackend):
+        # Nothing public hands an initializer to the processes before joblib 1.5.
+        backend.configure = partial(backend.configure, initializer=end_with_parent, initargs=(os.getpid(),))
+    with uninterrupted(), signals_kept_from_children():
+        working = parallel(tasks)
+    for results in working:
         yield from results
 
 

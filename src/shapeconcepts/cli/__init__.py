@@ -15,17 +15,20 @@ from shapeconcepts.cli.learn_command import learn
 from shapeconcepts.cli.respond_command import respond
 from shapeconcepts.cli.segment_command import segment
 from shapeconcepts.cli.simulate_command import simulate
-from shapeconcepts.cli.terminal import INTERRUPTED, fail_for_output, say
+from shapeconcepts.cli.terminal import fail_for_output, say
+from shapeconcepts.interruption import INTERRUPTED, message_when_interrupted, say_when_interrupted
 from shapeconcepts.version import __version__
 
 
 class _Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
+        say_when_interrupted(INTERRUPTED)
         try:
             return super().invoke(ctx)
+        # Where another program calls `app`, in which signals do not end the process.
         except KeyboardInterrupt:
-            say("Interrupted")
-            raise typer.Exit(INTERRUPTED) from None
+            say(message_when_interrupted())
+            raise typer.Exit(130) from None
 
 
 app = typer.Typer(
@@ -118,7 +121,7 @@ def _shapeconcepts(
 
 
 def main() -> None:
-    """Entry point of the `shapeconcepts` command."""
+    """Run the `shapeconcepts` command."""
     try:
         try:
             app()

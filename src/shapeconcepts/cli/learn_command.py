@@ -32,7 +32,6 @@ from shapeconcepts.cli.options import (
     set_from_options,
 )
 from shapeconcepts.cli.terminal import (
-    INTERRUPTED,
     busy,
     check_writable,
     fail,
@@ -150,24 +149,19 @@ def learn(
             "--voxel-size": ("segmenter__voxel_size", voxel_size),
         },
     )
-    try:
-        reader = ObjectReader(
-            reading=reading,
-            segmenter=learner.segmenter or Segmenter(),
-            descriptor=learner.descriptor,
-            scenes=scenes,
-            cache=None if no_cache else user_cache(),
-            make_preview=report is not None,
-        )
-        with one_thread():
-            collection = _collect(sources, reader, jobs, strict)
-            with busy("Learning concepts"), warnings_said():
-                learner.fit(collection.described)
-            written = _write(learner, collection, model, report)
-    except KeyboardInterrupt:
-        kept = "" if no_cache else "; the segments that were found are kept for the next time"
-        say(f"Interrupted{kept}")
-        raise typer.Exit(INTERRUPTED) from None
+    reader = ObjectReader(
+        reading=reading,
+        segmenter=learner.segmenter or Segmenter(),
+        descriptor=learner.descriptor,
+        scenes=scenes,
+        cache=None if no_cache else user_cache(),
+        make_preview=report is not None,
+    )
+    with one_thread():
+        collection = _collect(sources, reader, jobs, strict)
+        with busy("Learning concepts"), warnings_said():
+            learner.fit(collection.described)
+        written = _write(learner, collection, model, report)
     if as_json:
         skipped = [{"name": name, "reason": reason} for name, reason in collection.skipped]
         paths = {"model": str(model), "report": None if report is None else str(report)}

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from shapeconcepts.cli.terminal import say
+from shapeconcepts.interruption import INTERRUPTED, say_when_interrupted
 
 if TYPE_CHECKING:
     from shapeconcepts.descriptors import DescribedObject, Descriptor
@@ -217,10 +218,12 @@ def user_cache() -> SegmentCache | None:
     from shapeconcepts.segmentation.segment_cache import SegmentCache
 
     try:
-        return SegmentCache.of_user()
+        cache = SegmentCache.of_user()
     except OSError as error:
         say(f"Note: nothing is cached: {error}")
         return None
+    say_when_interrupted(f"{INTERRUPTED}; the segments that were found are kept for the next time")
+    return cache
 
 
 def useful_jobs(jobs: int, n_scans: int) -> int:

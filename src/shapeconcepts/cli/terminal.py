@@ -20,9 +20,6 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-# Exit code of a command that Ctrl-C has ended: 128 and the number of the signal.
-INTERRUPTED = 130
-
 
 def say(message: str) -> None:
     """Tell the user something that is not the result."""
