@@ -161,7 +161,7 @@ def learn(
         collection = _collect(sources, reader, jobs, strict)
         with busy("Learning concepts"), warnings_said():
             learner.fit(collection.described)
-        written = _write(learner, collection, model, report)
+        _write(learner, collection, model, report)
     if as_json:
         skipped = [{"name": name, "reason": reason} for name, reason in collection.skipped]
         paths = {"model": str(model), "report": None if report is None else str(report)}
@@ -172,10 +172,8 @@ def learn(
         print_concepts(learner)
     say(f"Learned {in_words(learner)}")
     say_skipped(collection.skipped, len(collection.described) + len(collection.skipped))
-    for line in written:
-        say(line)
-    if any(line.startswith("Error") for line in written):
-        raise typer.Exit(1)
+    for path in filter(None, (model, report)):
+        say(f"Wrote {path}")
 
 
 def _learner(preset: str) -> ShapeConceptModel:
@@ -211,23 +209,17 @@ def _collect(
     return collection
 
 
-def _write(
-    learner: ShapeConceptModel, collection: _Collection, model: Path, report: Path | None
-) -> list[str]:
-    """Write model and report, each whatever becomes of the other; what there is to say about it."""
-    said = []
-    try:
-        learner.save(model)
-        said.append(f"Wrote {model}")
-    except OSError as error:
-        said.append(f"Error: cannot write {model}: {error.strerror or error}")
-    if report is not None:
-        from shapeconcepts.report.html import write_report
+def _write(learner: ShapeConceptModel, collection: _Collection, model: Path, report: Path | None) -> None:
+    """Write model and report: both or, where one of them cannot be written, none."""
+    from shapeconcepts.io.atomic_write import written_together
+    from shapeconcepts.report.html import write_report
 
-        try:
-            with busy("Writing the report"):
-                write_report(report, learner, collection.previews, unread=collection.skipped)
-            said.append(f"Wrote {report}")
-        except OSError as error:
-            said.append(f"Error: cannot write {report}: {error.strerror or error}")
-    return said
+    paths = [model] if report is None else [model, report]
+    try:
+        with written_together():
+            learner.save(model)
+            if report is not None:
+                with busy("Writing the report"):
+                    write_report(report, learner, collection.previews, unread=collection.skipped)
+    except OSError as error:
+        fail(f"cannot write {' and '.join(map(str, paths))}: {error.strerror or error}")
