@@ -35,6 +35,7 @@ COMMANDS = (
     "learn.py",
     "report.py",
     "start.py",
+    "kills.py",
     "other_processor.py",
 )
 
