@@ -37,11 +37,7 @@ def start(folder: Path, jobs: int, cache: Path | None) -> subprocess.Popen[str]:
     kernels = {} if cache is None else {"NUMBA_CACHE_DIR": str(cache)}
     return subprocess.Popen(
         [sys.executable, "-m", "shapeconcepts", "learn", folder / "scans", *outputs, "--jobs", str(jobs)],
-        env={
-            **os.environ,
-            "XDG_CACHE_HOME": str(folder),
-            **({"NUMBA_CACHE_DIR": str(cache)} if cache else {}),
-        },
+        env={**os.environ, "XDG_CACHE_HOME": str(folder), **kernels},
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,

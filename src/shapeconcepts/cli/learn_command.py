@@ -35,6 +35,7 @@ from shapeconcepts.cli.terminal import (
     busy,
     check_writable,
     fail,
+    is_same_file,
     progress,
     say,
     say_skipped,
@@ -135,7 +136,7 @@ def learn(
     check_writable(model, "--model")
     if report is not None:
         check_writable(report, "--report")
-        if report.resolve() == model.resolve():
+        if is_same_file(report, model):
             raise typer.BadParameter("must be another file than --model", param_hint="--report")
     reading = read_options(intrinsics, depth_scale, mask)
     sources: list[ScanFile | SimulatedObject] = [*scan_files(data, mask)] if data else simulated_objects()

@@ -133,6 +133,13 @@ def check_writable(path: Path, option: str) -> None:
         fail(f"cannot write {path}: {error.strerror or error}")
 
 
+def is_same_file(path: Path, other: Path) -> bool:
+    """Whether two paths lead to one file, which may not be there yet."""
+    if path.exists() and other.exists():
+        return path.samefile(other)
+    return os.path.realpath(path) == os.path.realpath(other)
+
+
 def _stderr() -> Console:
     from rich.console import Console
 
