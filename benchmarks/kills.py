@@ -67,17 +67,14 @@ def kill(folder: Path, jobs: int, number: int, to_group: bool, delay: float, cac
     except subprocess.TimeoutExpired:
         os.killpg(process.pid, signal.SIGKILL)
         return ["hangs"]
-    # Before Python has begun to run the command, the system ends it.
+    late = late or process.returncode == 0
+    # Before Python has begun to run the command, and after it has ended, the system ends it.
     if not late and process.returncode not in (128 + number, -number):
         wrong.append(f"exit status {process.returncode}")
-    # When Python itself is starting, it tells of Ctrl-C by a traceback.
-    if (
-        not late
-        and number != signal.SIGKILL
-        and said not in ("", "Interrupted\n")
-        and "Interrupted;" not in said
-    ):
-        wrong.append("says: " + said.strip().splitlines()[-1])
+    # It may have said all it had to say before.
+    said = said.removesuffix("\n").rpartition("\n")[2]
+    if number != signal.SIGKILL and said and not said.startswith(("Interrupted", "Wrote", "Learned")):
+        wrong.append(f"says: {said}")
     deadline = time.monotonic() + SECONDS_TO_END
     while is_left(process.pid) and time.monotonic() < deadline:
         time.sleep(0.05)

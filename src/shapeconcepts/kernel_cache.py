@@ -15,6 +15,7 @@ from typing import Any, BinaryIO
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 _DIGEST_SIZE = hashlib.sha256().digest_size
+_MARK = ".checked"
 _NOT_BLOCKING = getattr(os, "O_NONBLOCK", 0)
 
 
@@ -31,7 +32,7 @@ class KernelCache(FunctionCache):
         super().__init__(function)
         # The name tells these files from those that numba alone would write, and could not read.
         self._cache_file = _CheckedFiles(
-            self._cache_path, f"{self._impl.filename_base}.checked", self._impl.locator.get_source_stamp()
+            self._cache_path, self._impl.filename_base + _MARK, self._impl.locator.get_source_stamp()
         )
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
@@ -69,6 +70,11 @@ class _CheckedFiles(IndexDataCacheFile):
             content = BytesIO()
             yield content
             file.write(content.getvalue() + _digest(path, content.getvalue()))
+
+
+def kept_files(folder: Path) -> list[Path]:
+    """Files of compiled code in a folder, sound or not."""
+    return sorted(folder.glob(f"*{_MARK}*.nb[ic]"))
 
 
 def is_sound(path: Path) -> bool:

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from shapeconcepts.cli.doctor_command import doctor
 from shapeconcepts.cli.evaluate_command import evaluate
 from shapeconcepts.cli.explain_command import explain
 from shapeconcepts.cli.info_command import info
@@ -103,6 +104,7 @@ app.command(
         "shapeconcepts simulate scans --n-per-category 66 --categories box,can --random-state 7"
     )
 )(simulate)
+app.command()(doctor)
 
 
 def _print_version(wanted: bool) -> None:
