@@ -255,7 +255,8 @@ def test_a_damaged_entry_is_made_anew(tmp_path: Path, cache: Path, damage: str) 
     for path, content in zip(entries(cache), whole, strict=True):
         middle = len(content) // 3
         if damage == "pickle":
-            np.savez(path, n_objects=np.array([print], dtype=object))
+            with path.open("wb") as file:
+                np.savez(file, n_objects=np.array([print], dtype=object))
         else:
             path.write_bytes(
                 {
