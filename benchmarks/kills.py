@@ -129,12 +129,11 @@ def main() -> None:
             row = counts.setdefault((jobs, signal.Signals(number).name), Counter())
             row["kills"] += 1
             row["late"] += "late" in wrong
-            for one in wrong:
-                if one != "late":
-                    row["wrong"] += 1
-                    print(
-                        f"jobs {jobs}, {signal.Signals(number).name}, after {delay:.2f} s: {one}", flush=True
-                    )
+            row["wrong"] += any(one != "late" for one in wrong)
+            name = signal.Signals(number).name
+            whom = "group" if to_group else "alone"
+            said = ", ".join(wrong) or "fine"
+            print(f"{count + 1}: {name} to {whom}, {jobs} jobs, after {delay:.2f} s: {said}", flush=True)
     print_table(
         ("jobs", "signal", "kills", "late", "wrong"),
         [[*key, row["kills"], row["late"], row["wrong"]] for key, row in sorted(counts.items())],
