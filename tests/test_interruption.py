@@ -188,3 +188,52 @@ main()"""
     process = start(tmp_path, program)
     stdout, stderr = process.communicate(timeout=60)
     assert (process.returncode, stdout, stderr) == (128 + number, "", "Interrupted\n")
+
+
+@pytest.mark.parametrize(
+    ("jobs", "number", "send"),
+    [
+        (1, signal.SIGINT, alone),
+        (2, signal.SIGTERM, group),
+        (5, signal.SIGINT, group),
+        (5, signal.SIGKILL, alone),
+    ],
+)
+def test_learn_keeps_the_old_pair(
+    tmp_path: Path, jobs: int, number: int, send: Callable[[subprocess.Popen[str], int], None]
+) -> None:
+    model, report = tmp_path / "m", tmp_path / "r.html"
+    model.write_text("old model")
+    report.write_text("old report")
+    process = subprocess.Popen(
+        [
+            sys.executable,
+            "-m",
+            "shapeconcepts",
+            "learn",
+            f"--jobs={jobs}",
+            "--model",
+            model,
+            "--report",
+            report,
+        ],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "XDG_CACHE_HOME": str(tmp_path)},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert wait_until(lambda: any(tmp_path.rglob("*.segments")), 300)
+    send(process, number)
+    stdout, stderr = process.communicate(timeout=60)
+    assert stdout == ""
+    if number == signal.SIGKILL:
+        assert (process.returncode, stderr) == (-number, "")
+    else:
+        assert process.returncode == 128 + number
+        assert stderr == "Interrupted; the segments that were found are kept for the next time\n"
+    assert wait_until(lambda: not processes_of(process.pid), SECONDS_TO_END), processes_of(process.pid)
+    assert model.read_text() == "old model"
+    assert report.read_text() == "old report"
+    assert not list(tmp_path.glob(".shapeconcepts-*"))
