@@ -36,6 +36,7 @@ COMMANDS = (
     "report.py",
     "small_files.py",
     "start.py",
+    "kills.py",
     "other_processor.py",
 )
 

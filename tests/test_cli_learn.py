@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -254,7 +255,8 @@ def test_a_damaged_entry_is_made_anew(tmp_path: Path, cache: Path, damage: str) 
     for path, content in zip(entries(cache), whole, strict=True):
         middle = len(content) // 3
         if damage == "pickle":
-            np.savez(path, n_objects=np.array([print], dtype=object))
+            with path.open("wb") as file:
+                np.savez(file, n_objects=np.array([print], dtype=object))
         else:
             path.write_bytes(
                 {
@@ -433,7 +435,7 @@ def test_ctrl_c_while_several_processes_work(tmp_path: Path) -> None:
         start_new_session=True,
     )
     deadline = time.monotonic() + 120
-    while time.monotonic() < deadline and process.poll() is None and len(list(cache.rglob("*.npz"))) < 3:
+    while time.monotonic() < deadline and process.poll() is None and len(list(cache.rglob("*.segments"))) < 3:
         time.sleep(0.05)
     # As a terminal does it: to all of them.
     os.killpg(process.pid, signal.SIGINT)
@@ -442,7 +444,7 @@ def test_ctrl_c_while_several_processes_work(tmp_path: Path) -> None:
     assert stdout == ""
     assert stderr == "Interrupted; the segments that were found are kept for the next time\n"
     assert not (tmp_path / "m").exists()
-    assert {path.suffix for path in cache.rglob("*") if path.is_file()} == {".npz"}
+    assert {path.suffix for path in cache.rglob("*") if path.is_file()} == {".segments"}
 
 
 def test_outputs_are_checked_before_the_work(scans: Path, tmp_path: Path) -> None:
@@ -464,19 +466,77 @@ def test_outputs_are_checked_before_the_work(scans: Path, tmp_path: Path) -> Non
         assert not report.exists()
 
 
-def test_the_model_is_written_even_if_the_report_fails(
+@pytest.mark.skipif(sys.platform == "win32", reason="files of POSIX")
+@pytest.mark.parametrize(
+    ("outputs", "message"),
+    [
+        (["--model", "/dev/null"], "not a regular file"),
+        (["--model", "m", "--report", "/dev/null"], "not a regular file"),
+        (["--model", "pipe"], "not a regular file"),
+        (["--model", "socket"], "not a regular file"),
+        (["--model", "m", "--report", "pipe"], "not a regular file"),
+        (["--model", "link to pipe"], "not a regular file"),
+        (["--model", "m", "--report", "link to m"], "another file than --model"),
+        (["--model", "link to m", "--report", "./m"], "another file than --model"),
+        (["--model", "m", "--report", "second name of m"], "another file than --model"),
+        (["--model", "m/m"], "does not exist"),
+        (["--model", "x" * 300], "cannot write x"),
+    ],
+)
+def test_what_cannot_be_replaced_is_said_before_the_work(
+    outputs: list[str], message: str, scans: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    forbid_segmentation(monkeypatch)
+    Path("m").write_text("the old one")
+    os.mkfifo("pipe")
+    with socket.socket(socket.AF_UNIX) as one:
+        one.bind("socket")
+    Path("link to pipe").symlink_to("pipe")
+    Path("link to m").symlink_to("m")
+    Path("second name of m").hardlink_to("m")
+    before = sorted(os.listdir())
+    result = run("learn", scans, *outputs)
+    assert result.exit_code in (1, 2)
+    assert isinstance(result.exception, SystemExit)
+    assert message in " ".join(result.stderr.replace("│", "").split())
+    assert sorted(os.listdir()) == before
+    assert Path("m").read_text() == "the old one"
+
+
+@pytest.mark.parametrize("option", ["respond", "explain", "segment", "evaluate"])
+def test_other_commands_say_it_before_the_work_too(
+    option: str, scans: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    forbid_segmentation(monkeypatch)
+    os.mkfifo("pipe.png")
+    scan = next(scans.rglob("*.pcd"))
+    command = {
+        "respond": ["respond", "none", scan, "--output", "pipe.png"],
+        "explain": ["explain", "none", scan, "--image", "pipe.png"],
+        "segment": ["segment", scan, "--image", "pipe.png"],
+        "evaluate": ["evaluate", scans, "--report", "pipe.png"],
+    }[option]
+    result = run(*command)
+    assert result.exit_code == 2
+    assert "not a regular file" in " ".join(result.stderr.replace("│", "").split())
+
+
+def test_both_files_stay_if_the_report_fails(
     scans: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(*arguments: object, **options: object) -> None:
         raise OSError(28, "No space left on device")
 
+    model, report = tmp_path / "m", tmp_path / "r.html"
+    model.write_text("the old one")
     monkeypatch.setattr("shapeconcepts.report.html.write_report", full)
-    result = run("learn", scans, "--model", tmp_path / "m", "--report", tmp_path / "r.html")
+    result = run("learn", scans, "--model", model, "--report", report)
     assert result.exit_code == 1
-    assert (
-        f"Wrote {tmp_path / 'm'}\nError: cannot write {tmp_path / 'r.html'}: No space left" in result.stderr
-    )
-    assert shapeconcepts.load_model(tmp_path / "m").scan_names_
+    assert result.stderr == f"Error: cannot write {model} and {report}: No space left on device\n"
+    assert model.read_text() == "the old one"
+    assert list(tmp_path.iterdir()) == [model]
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,8 @@ from typing import Any
 
 from numba import njit
 
+from shapeconcepts.kernel_cache import KernelCache
+
 _has_warned = False
 
 
@@ -32,8 +34,13 @@ def kernel(function: Callable[..., Any] | None = None, *, fastmath: Set[str] = f
     if function is None:
         return partial(kernel, fastmath=fastmath)
     options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "fastmath": set(fastmath) or False}
+    compiled = njit(**options)(function)
+    # Where NUMBA_DISABLE_JIT is set, there is nothing to keep.
+    if compiled is function:
+        return compiled
     try:
-        return njit(cache=True, **options)(function)
+        compiled._cache = KernelCache(function)
+        return compiled
     except RuntimeError as error:
         if "no locator available" not in str(error):
             raise
@@ -46,4 +53,4 @@ def kernel(function: Callable[..., Any] | None = None, *, fastmath: Set[str] = f
             "NUMBA_CACHE_DIR can name a folder for it",
             stacklevel=2,
         )
-    return njit(cache=False, **options)(function)
+    return compiled

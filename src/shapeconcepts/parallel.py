@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Iterator, Sized
 from contextlib import contextmanager
+from functools import partial
 from itertools import islice
+from multiprocessing import resource_tracker
 from threading import RLock
 from typing import TypeVar
 
 from joblib import Parallel, delayed, effective_n_jobs
+from joblib._parallel_backends import LokyBackend
+from joblib.externals.loky.backend import resource_tracker as loky_resource_tracker
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
+
+from shapeconcepts.interruption import end_with_parent, signals_kept_from_children, uninterrupted
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -37,7 +44,7 @@ def map_in_order(
 
     A few jobs are threads, more are processes (loky), unless ``joblib.parallel_config(backend=...)`` says
     otherwise, which reaches a cluster. Work is sent along with each chunk of items: it should carry
-    parameters, not data.
+    parameters, not data. Processes end with this one.
 
     Parameters
     ----------
@@ -65,7 +72,12 @@ def map_in_order(
     tasks = (delayed(_work_on)(work, chunk) for chunk in chunks)
     few = n_jobs <= MOST_THREADS and not own_process
     prefer = "threads" if share_memory or few else "processes"
-    for results in Parallel(n_jobs, prefer=prefer, return_as="generator")(tasks):
+    parallel = Parallel(n_jobs, prefer=prefer, return_as="generator")
+    if isinstance(parallel._backend, LokyBackend):
+        _tie_to_this_process(parallel._backend)
+    with uninterrupted(), signals_kept_from_children():
+        working = parallel(tasks)
+    for results in working:
         yield from results
 
 
@@ -78,6 +90,16 @@ def libraries_in_one_thread() -> Iterator[None]:
     """
     with _libraries_are_limited, threadpool_limits(1):
         yield
+
+
+def _tie_to_this_process(backend: LokyBackend) -> None:
+    """Let the processes of a backend end with this one."""
+    # Nothing public hands an initializer to them before joblib 1.5.
+    backend.configure = partial(backend.configure, initializer=end_with_parent, initargs=(os.getpid(),))
+    if os.name == "posix":
+        # These would start along with the first process, and unblock signals before the others start.
+        resource_tracker.ensure_running()
+        loky_resource_tracker.ensure_running()
 
 
 def _work_on(work: Callable[[Item], Result], chunk: list[Item]) -> list[Result]:

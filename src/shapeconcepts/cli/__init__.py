@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from shapeconcepts.cli.doctor_command import doctor
 from shapeconcepts.cli.evaluate_command import evaluate
 from shapeconcepts.cli.explain_command import explain
 from shapeconcepts.cli.info_command import info
@@ -17,7 +18,8 @@ from shapeconcepts.cli.learn_command import learn
 from shapeconcepts.cli.respond_command import respond
 from shapeconcepts.cli.segment_command import segment
 from shapeconcepts.cli.simulate_command import simulate
-from shapeconcepts.cli.terminal import INTERRUPTED, fail_for_output, let_output_hold_any_text, say, tell
+from shapeconcepts.cli.terminal import fail_for_output, let_output_hold_any_text, say, tell
+from shapeconcepts.interruption import INTERRUPTED, message_when_interrupted, say_when_interrupted
 from shapeconcepts.printable import printable
 from shapeconcepts.version import __version__
 
@@ -35,12 +37,14 @@ class _Commands(TyperGroup):
             return super().make_context(*args, **kwargs)
 
     def invoke(self, ctx: Any) -> Any:
+        say_when_interrupted(INTERRUPTED)
         try:
             with _printable_errors():
                 return super().invoke(ctx)
+        # Where another program calls `app`, in which signals do not end the process.
         except KeyboardInterrupt:
-            say("Interrupted")
-            raise typer.Exit(INTERRUPTED) from None
+            say(message_when_interrupted())
+            raise typer.Exit(130) from None
 
 
 @contextmanager
@@ -125,6 +129,7 @@ app.command(
         "shapeconcepts simulate scans --n-per-category 66 --categories box,can --random-state 7"
     )
 )(simulate)
+app.command()(doctor)
 
 
 def _print_version(wanted: bool) -> None:
@@ -143,7 +148,7 @@ def _shapeconcepts(
 
 
 def main() -> None:
-    """Entry point of the `shapeconcepts` command."""
+    """Run the `shapeconcepts` command."""
     try:
         try:
             app()

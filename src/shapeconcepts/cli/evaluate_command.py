@@ -22,7 +22,6 @@ from shapeconcepts.cli.model_input import one_thread
 from shapeconcepts.cli.object_reader import ObjectReader, simulated_objects, user_cache
 from shapeconcepts.cli.options import Jobs, Json, check_jobs
 from shapeconcepts.cli.terminal import (
-    INTERRUPTED,
     busy,
     check_writable,
     fail,
@@ -128,15 +127,10 @@ def evaluate(
         check_writable(figures / "figure.png" if figures.is_dir() else figures, "--figures")
     renames = parse_renames(rename or [])
     _check_libraries()
-    try:
-        with one_thread():
-            result, failures = _evaluate(
-                data or [], also or [], renames, preset, repetitions, jobs, no_cache, report, figures
-            )
-    except KeyboardInterrupt:
-        kept = "" if no_cache else "; the segments that were found are kept for the next time"
-        say(f"Interrupted{kept}")
-        raise typer.Exit(INTERRUPTED) from None
+    with one_thread():
+        result, failures = _evaluate(
+            data or [], also or [], renames, preset, repetitions, jobs, no_cache, report, figures
+        )
     if as_json:
         from shapeconcepts.evaluation.json_document import plain_values
 

@@ -31,10 +31,10 @@ from shapeconcepts.cli.options import (
     set_from_options,
 )
 from shapeconcepts.cli.terminal import (
-    INTERRUPTED,
     busy,
     check_writable,
     fail,
+    is_same_file,
     progress,
     say,
     say_skipped,
@@ -128,9 +128,8 @@ def learn(
     model can then say of new scans which concept they resemble (`respond`), and why (`explain`).
 
     Scans that cannot be used are skipped and listed at the end, as are those that the report cannot show. The
-    exit code is 0 if a model was written
-    (and the report, if wanted), 1 if not, and 2 if the command line is wrong. Ctrl-C ends it with 130 and
-    leaves files as they were.
+    exit code is 0 if a model was written (and the report, if wanted), 1 if not, and 2 if the command line is
+    wrong. Ctrl-C ends it with 130 and leaves files as they were.
     """
     from shapeconcepts.segmentation import Segmenter
 
@@ -138,7 +137,7 @@ def learn(
     check_writable(model, "--model")
     if report is not None:
         check_writable(report, "--report")
-        if report.resolve() == model.resolve():
+        if is_same_file(report, model):
             raise typer.BadParameter("must be another file than --model", param_hint="--report")
     reading = read_options(intrinsics, depth_scale, mask)
     sources: list[ScanFile | SimulatedObject] = [*scan_files(data, mask)] if data else simulated_objects()
@@ -152,24 +151,19 @@ def learn(
             "--voxel-size": ("segmenter__voxel_size", voxel_size),
         },
     )
-    try:
-        reader = ObjectReader(
-            reading=reading,
-            segmenter=learner.segmenter or Segmenter(),
-            descriptor=learner.descriptor,
-            scenes=scenes,
-            cache=None if no_cache else user_cache(),
-            make_preview=report is not None,
-        )
-        with one_thread():
-            collection = _collect(sources, reader, jobs, strict)
-            with busy("Learning concepts"), warnings_said():
-                learner.fit(collection.described)
-            written = _write(learner, collection, model, report)
-    except KeyboardInterrupt:
-        kept = "" if no_cache else "; the segments that were found are kept for the next time"
-        say(f"Interrupted{kept}")
-        raise typer.Exit(INTERRUPTED) from None
+    reader = ObjectReader(
+        reading=reading,
+        segmenter=learner.segmenter or Segmenter(),
+        descriptor=learner.descriptor,
+        scenes=scenes,
+        cache=None if no_cache else user_cache(),
+        make_preview=report is not None,
+    )
+    with one_thread():
+        collection = _collect(sources, reader, jobs, strict)
+        with busy("Learning concepts"), warnings_said():
+            learner.fit(collection.described)
+        _write(learner, collection, model, report)
     if as_json:
         skipped = [{"name": name, "reason": reason} for name, reason in collection.skipped]
         paths = {"model": str(model), "report": None if report is None else str(report)}
@@ -179,10 +173,8 @@ def learn(
     say(f"Learned {in_words(learner)}")
     say_skipped(collection.skipped, len(collection.described) + len(collection.skipped))
     say_skipped(collection.undrawn, len(collection.described), "Could not draw")
-    for line in written:
-        say(line)
-    if any(line.startswith("Error") for line in written):
-        raise typer.Exit(1)
+    for path in filter(None, (model, report)):
+        say(f"Wrote {path}")
 
 
 def _learner(preset: str) -> ShapeConceptModel:
@@ -219,23 +211,17 @@ def _collect(
     return collection
 
 
-def _write(
-    learner: ShapeConceptModel, collection: _Collection, model: Path, report: Path | None
-) -> list[str]:
-    """Write model and report, each whatever becomes of the other; what there is to say about it."""
-    said = []
-    try:
-        learner.save(model)
-        said.append(f"Wrote {model}")
-    except OSError as error:
-        said.append(f"Error: cannot write {model}: {error.strerror or error}")
-    if report is not None:
-        from shapeconcepts.report.html import write_report
+def _write(learner: ShapeConceptModel, collection: _Collection, model: Path, report: Path | None) -> None:
+    """Write model and report: both or, where one of them cannot be written, none."""
+    from shapeconcepts.io.atomic_write import written_together
+    from shapeconcepts.report.html import write_report
 
-        try:
-            with busy("Writing the report"):
-                write_report(report, learner, collection.previews, unread=collection.skipped)
-            said.append(f"Wrote {report}")
-        except OSError as error:
-            said.append(f"Error: cannot write {report}: {error.strerror or error}")
-    return said
+    paths = [model] if report is None else [model, report]
+    try:
+        with written_together():
+            learner.save(model)
+            if report is not None:
+                with busy("Writing the report"):
+                    write_report(report, learner, collection.previews, unread=collection.skipped)
+    except OSError as error:
+        fail(f"cannot write {' and '.join(map(str, paths))}: {error.strerror or error}")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from shapeconcepts.cli.terminal import say
+from shapeconcepts.interruption import INTERRUPTED, say_when_interrupted
 
 if TYPE_CHECKING:
     from shapeconcepts.descriptors import DescribedObject, Descriptor
@@ -160,6 +161,9 @@ class ObjectReader:
     def _keep(self, key: str | None, results: list[ReadObject], source: Source) -> str:
         """Put a source's objects into the cache; why that is not possible, or nothing."""
         segmented = [one.segmented for one in results if one.segmented is not None]
+        # A file that was replaced since its key was made: these may be the segments of the one or the other.
+        if key != self._key(source):
+            return ""
         # What cannot be segmented is not kept: it costs little to find that out again.
         if key is None or self.cache is None or len(segmented) < len(results):
             return ""
@@ -227,10 +231,12 @@ def user_cache() -> SegmentCache | None:
     from shapeconcepts.segmentation.segment_cache import SegmentCache
 
     try:
-        return SegmentCache.of_user()
+        cache = SegmentCache.of_user()
     except OSError as error:
         say(f"Note: nothing is cached: {error}")
         return None
+    say_when_interrupted(f"{INTERRUPTED}; the segments that were found are kept for the next time")
+    return cache
 
 
 def useful_jobs(jobs: int, n_scans: int) -> int:

@@ -25,7 +25,7 @@ from shapeconcepts.cli.options import (
     scan_files,
 )
 from shapeconcepts.cli.response_formats import Response, ResponseWriter, check_parquet, response_writer
-from shapeconcepts.cli.terminal import INTERRUPTED, check_writable, fail, progress, say, say_skipped
+from shapeconcepts.cli.terminal import check_writable, fail, progress, say, say_skipped
 
 if TYPE_CHECKING:
     from shapeconcepts.model import ShapeConceptModel
@@ -84,20 +84,16 @@ def respond(
     writer = response_writer(form, learned, output)
     skipped: list[tuple[str, str]] = []
     count = 0
-    try:
-        read = read_objects(files, reader, jobs, strict=strict)
-        found = _usable(progress(read, len(files), "Reading scans", show=not writer.streams), skipped, strict)
-        with one_thread():
-            while chunk := list(islice(found, _AT_ONCE)):
-                responses = _responses_or_reasons(learned, chunk, skipped)
-                writer.write(responses)
-                count += len(responses)
-        if strict and skipped:
-            fail(skipped[0][1])
-        _finish(writer, output)
-    except KeyboardInterrupt:
-        say("Interrupted")
-        raise typer.Exit(INTERRUPTED) from None
+    read = read_objects(files, reader, jobs, strict=strict)
+    found = _usable(progress(read, len(files), "Reading scans", show=not writer.streams), skipped, strict)
+    with one_thread():
+        while chunk := list(islice(found, _AT_ONCE)):
+            responses = _responses_or_reasons(learned, chunk, skipped)
+            writer.write(responses)
+            count += len(responses)
+    if strict and skipped:
+        fail(skipped[0][1])
+    _finish(writer, output)
     say_skipped(skipped, count + len(skipped))
     if count == 0:
         raise typer.Exit(1)

@@ -27,9 +27,6 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-# Exit code of a command that Ctrl-C has ended: 128 and the number of the signal.
-INTERRUPTED = 130
-
 
 # What lines of tables are drawn with.
 _LINE = "─"
@@ -149,17 +146,31 @@ def warnings_said() -> Iterator[None]:
 
 def check_writable(path: Path, option: str) -> None:
     """Complain before the work is done, not after."""
-    if path.is_dir():
-        raise typer.BadParameter(f"{path} is a folder", param_hint=option)
-    folder = Path(os.path.realpath(path)).parent
-    if not folder.is_dir():
-        raise typer.BadParameter(f"the folder {path.parent} does not exist", param_hint=option)
+    from shapeconcepts.io.atomic_write import check_replaceable
+
     try:
+        if path.is_dir():
+            raise typer.BadParameter(f"{path} is a folder", param_hint=option)
+        target = Path(os.path.realpath(path))
+        if not target.parent.is_dir():
+            raise typer.BadParameter(f"the folder {path.parent} does not exist", param_hint=option)
+        if target.exists() and not target.is_file():
+            raise typer.BadParameter(
+                f"{path} is not a regular file: it could not be replaced", param_hint=option
+            )
+        check_replaceable(target)
         # Permissions alone do not tell: root has all of them, and a full or read-only disk has none.
-        with tempfile.NamedTemporaryFile(dir=folder, prefix=f".{path.name}."):
+        with tempfile.NamedTemporaryFile(dir=target.parent, prefix=".shapeconcepts-"):
             pass
     except OSError as error:
         fail(f"cannot write {path}: {error.strerror or error}")
+
+
+def is_same_file(path: Path, other: Path) -> bool:
+    """Whether two paths lead to one file, which may not be there yet."""
+    if path.exists() and other.exists():
+        return path.samefile(other)
+    return os.path.realpath(path) == os.path.realpath(other)
 
 
 def _stderr() -> Console:

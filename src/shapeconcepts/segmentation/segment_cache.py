@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import os
+import stat
 from dataclasses import dataclass, fields
 from io import BytesIO
 from pathlib import Path
@@ -27,12 +29,16 @@ _SOURCES = (
 )
 
 
+_DIGEST_SIZE = hashlib.sha256().digest_size
+
+
 @dataclass(frozen=True)
 class SegmentCache:
     """A folder with one file for each scan or labelled scene.
 
-    An entry is found by what it was made from, so it never becomes wrong; the folder can be deleted at any
-    time. Several processes may use it at once.
+    An entry is found by what it was made from, and begins with a checksum of that and of all it holds, so it
+    never becomes wrong; one that is damaged counts as missing. The folder can be deleted at any time. Several
+    processes may use it at once.
 
     Attributes
     ----------
@@ -72,13 +78,12 @@ class SegmentCache:
 
     def load(self, key: str) -> list[SegmentedObject] | None:
         """The objects of an entry; None where there is none, or it is damaged."""
-        try:
-            with np.load(BytesIO(self._path(key).read_bytes()), allow_pickle=False) as arrays:
-                return [_unpack(f"{index}/", arrays) for index in range(int(arrays["n_objects"]))]
-        except Exception:
-            # Damage shows in many ways: the checksum, the header, a missing array. None of them matters, as
-            # the scan can be segmented anew.
+        content = _content(self._path(key))
+        digest, arrays = content[:_DIGEST_SIZE], content[_DIGEST_SIZE:]
+        if digest != _digest(key, arrays):
             return None
+        with np.load(BytesIO(arrays), allow_pickle=False) as kept:
+            return [_unpack(f"{index}/", kept) for index in range(int(kept["n_objects"]))]
 
     def store(self, key: str, objects: list[SegmentedObject]) -> None:
         """Keep objects.
@@ -98,10 +103,12 @@ class SegmentCache:
         np.savez(content, **arrays)  # type: ignore[arg-type]
         path = self._path(key)
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(path, content.getvalue())
+        # What is there is damaged, or no file at all, which nothing would replace.
+        path.unlink(missing_ok=True)
+        write_atomically(path, _digest(key, content.getvalue()) + content.getvalue())
 
     def _path(self, key: str) -> Path:
-        return self.folder / key[:2] / f"{key}.npz"
+        return self.folder / key[:2] / f"{key}.segments"
 
 
 def user_cache_folder() -> Path:
@@ -130,6 +137,21 @@ def code_fingerprint() -> str:
         for path in sorted(package.glob(pattern)):
             digest.update(path.relative_to(package).as_posix().encode() + b"\0" + path.read_bytes())
     return f"{__version__} {digest.hexdigest()}"
+
+
+def _content(path: Path) -> bytes:
+    """Content of a file; nothing where there is none, or something else, such as a pipe without an end."""
+    try:
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+        with open(descriptor, "rb") as file:
+            return file.read() if stat.S_ISREG(os.fstat(descriptor).st_mode) else b""
+    except OSError:
+        # The scan can be segmented anew, whatever the reason.
+        return b""
+
+
+def _digest(key: str, arrays: bytes) -> bytes:
+    return hashlib.sha256(key.encode() + arrays).digest()
 
 
 def _unpack(prefix: str, arrays: np.lib.npyio.NpzFile) -> SegmentedObject:
