@@ -25,13 +25,13 @@ from shapeconcepts.descriptors import (
 )
 from shapeconcepts.descriptors.registry import DEFAULT, DESCRIPTORS
 from shapeconcepts.model_file import ModelState, read_state, write_state
+from shapeconcepts.model_file.layout import STAGES
 from shapeconcepts.motifs import Explanation, MotifHierarchyEnsemble
 from shapeconcepts.parameters import StagesMixin, check_parameters, choice
 from shapeconcepts.scan import ScanError
 from shapeconcepts.segmentation import SegmentedObject, Segmenter
 
 PRESETS = ("default", "paper")
-STAGES = ("segmenter", "descriptor", "ensemble", "filtration", "response")
 
 
 class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimator):

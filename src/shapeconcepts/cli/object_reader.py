@@ -161,11 +161,11 @@ class ObjectReader:
     def _keep(self, key: str | None, results: list[ReadObject], source: Source) -> str:
         """Put a source's objects into the cache; why that is not possible, or nothing."""
         segmented = [one.segmented for one in results if one.segmented is not None]
-        # A file that was replaced since its key was made: these may be the segments of the one or the other.
-        if key != self._key(source):
-            return ""
         # What cannot be segmented is not kept: it costs little to find that out again.
         if key is None or self.cache is None or len(segmented) < len(results):
+            return ""
+        # A file that was replaced since its key was made: these may be the segments of the one or the other.
+        if key != self._key(source):
             return ""
         try:
             self.cache.store(key, [_uncalled(one, source) for one in segmented])

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.geometry.canonical_frame import canonical_coordinates
+from shapeconcepts.geometry.neighbour_kernels import ends_of_runs, keys_of
 from shapeconcepts.geometry.neighbours import sorting_order
 from shapeconcepts.geometry.point_kernels import centroid, sorted_by_cell
 
@@ -92,15 +93,14 @@ def cell_keys(coordinates: NDArray[np.float64], voxel_size: float) -> NDArray[np
     if not np.isfinite(cells).all():
         raise ValueError(f"voxel_size {voxel_size!r} is too small for an object of {np.ptp(axes):.3g} m")
     cells -= cells.min(axis=1, keepdims=True)
-    size = cells.max(axis=1) + 1
-    if size.prod() >= 2.0**62:
+    if (cells.max(axis=1) + 1).prod() >= 2.0**62:
         return np.unique(cells, axis=1, return_inverse=True)[1].reshape(-1).astype(np.int64)
-    x, y, z = cells.astype(np.int64)
-    return (x * int(size[1]) + y) * int(size[2]) + z
+    keys, _ = keys_of(cells, 0)
+    return keys
 
 
 def _count(keys: NDArray[np.int64]) -> int:
-    return 1 + int(np.count_nonzero(np.diff(np.sort(keys))))
+    return len(ends_of_runs(np.sort(keys))) - 1
 
 
 def _fill(points: NDArray[np.float64], keys: NDArray[np.int64], voxel_size: float) -> VoxelGrid:

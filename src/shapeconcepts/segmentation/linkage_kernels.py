@@ -72,12 +72,12 @@ def patch_borders(
 
 
 @kernel
-def border_pairs(
+def border_keys(
     indptr: NDArray[np.int64], indices: NDArray[np.int32], labels: NDArray[np.int32]
 ) -> NDArray[np.int64]:
-    """Adjacent voxel pairs of two segments, each of them as the smaller label * n + the larger, (b,)."""
+    """Adjacent voxel pairs of two segments, (b,): the smaller label times their number, plus the other."""
     n = np.int64(labels.max()) + 1
-    pairs = np.empty(len(indices), np.int64)
+    keys = np.empty(len(indices), np.int64)
     count = 0
     for i in range(len(labels)):
         a = labels[i]
@@ -86,9 +86,9 @@ def border_pairs(
         for k in range(np.uint64(indptr[i]), np.uint64(indptr[i + 1])):
             b = labels[np.uint32(indices[k])]
             if b > a:
-                pairs[count] = a * n + b
+                keys[count] = a * n + b
                 count += 1
-    return pairs[:count]
+    return keys[:count]
 
 
 @kernel

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.geometry.neighbours import Neighbours
-from shapeconcepts.segmentation.linkage_kernels import border_pairs
+from shapeconcepts.segmentation.linkage_kernels import border_keys
 
 MIN_BORDER = 4
 MIN_MEAN_SHARE = 0.05
@@ -102,8 +102,8 @@ def border_lengths(adjacency: Neighbours, labels: NDArray[np.int32]) -> list[dic
     """For each segment, its neighbours with the number of adjacent voxel pairs."""
     n = int(labels.max(initial=-1)) + 1
     borders: list[dict[int, int]] = [{} for _ in range(n)]
-    pairs, lengths = np.unique(border_pairs(*adjacency, labels), return_counts=True)
-    for pair, length in zip(pairs.tolist(), lengths.tolist(), strict=True):
-        a, b = divmod(pair, n)
+    keys, lengths = np.unique(border_keys(*adjacency, labels), return_counts=True)
+    for key, length in zip(keys.tolist(), lengths.tolist(), strict=True):
+        a, b = divmod(key, n)
         borders[a][b] = borders[b][a] = length
     return borders

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import os
-import stat
 from dataclasses import dataclass, fields
 from io import BytesIO
 from pathlib import Path
@@ -13,6 +11,8 @@ import numpy as np
 from platformdirs import user_cache_path
 
 from shapeconcepts.io.atomic_write import write_atomically
+from shapeconcepts.io.regular_file import read_regular_file
+from shapeconcepts.scan import ScanError
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 from shapeconcepts.version import __version__
 
@@ -27,8 +27,6 @@ _SOURCES = (
     "preparation/*.py",
     "segmentation/*.py",
 )
-
-
 _DIGEST_SIZE = hashlib.sha256().digest_size
 
 
@@ -78,7 +76,11 @@ class SegmentCache:
 
     def load(self, key: str) -> list[SegmentedObject] | None:
         """The objects of an entry; None where there is none, or it is damaged."""
-        content = _content(self._path(key))
+        try:
+            content = read_regular_file(self._path(key))
+        except ScanError:
+            # The scan can be segmented anew, whatever the reason.
+            return None
         digest, arrays = content[:_DIGEST_SIZE], content[_DIGEST_SIZE:]
         if digest != _digest(key, arrays):
             return None
@@ -137,17 +139,6 @@ def code_fingerprint() -> str:
         for path in sorted(package.glob(pattern)):
             digest.update(path.relative_to(package).as_posix().encode() + b"\0" + path.read_bytes())
     return f"{__version__} {digest.hexdigest()}"
-
-
-def _content(path: Path) -> bytes:
-    """Content of a file; nothing where there is none, or something else, such as a pipe without an end."""
-    try:
-        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
-        with open(descriptor, "rb") as file:
-            return file.read() if stat.S_ISREG(os.fstat(descriptor).st_mode) else b""
-    except OSError:
-        # The scan can be segmented anew, whatever the reason.
-        return b""
 
 
 def _digest(key: str, arrays: bytes) -> bytes:

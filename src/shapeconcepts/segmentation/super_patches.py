@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from shapeconcepts.geometry.neighbour_kernels import ends_of_runs
 from shapeconcepts.geometry.neighbours import Neighbours, sorting_order
 from shapeconcepts.segmentation.border_settling_kernels import settle_borders
 from shapeconcepts.segmentation.crease_kernels import (
@@ -100,7 +101,7 @@ def _join_smooth(
         keys, first, second = border_pairs(points, *adjacency, regions, voxels)
         order = sorting_order(keys)
         first, second = first[order], second[order]
-        bounds = np.flatnonzero(np.diff(keys[order], prepend=-1, append=-1))
+        bounds = ends_of_runs(keys[order])
         starts, ends = bounds[:-1], bounds[1:]
         borders = list(zip(regions[first[starts]].tolist(), regions[second[starts]].tolist(), strict=True))
         new = np.array([border not in known for border in borders], bool)
