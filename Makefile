@@ -2,6 +2,7 @@
 #   make demo    simulate scans, learn shape concepts from them, write a report to look at
 #   make test    lint, check types and imports, run the tests
 #   make wheel-check    build the wheel, and use it elsewhere, without extras
+#   make test-bounds    run the tests of kernels with a check of every index
 #   make test-lowest    run the tests with the lowest versions that pyproject.toml allows, on Python 3.11 (for nightly use)
 #   make benchmark    measure every figure of BENCHMARK.md (Open3D needs libusb-1.0 and libgl1 of the system)
 # Choose the interpreter with `make PYTHON=python3.12 ...`.
@@ -12,7 +13,7 @@ LOWEST = $(VENV)-lowest
 BIN = $(VENV)/bin
 DEMO = demo-output
 
-.PHONY: demo test test-lowest wheel-check lint format benchmark clean
+.PHONY: demo test test-bounds test-lowest wheel-check lint format benchmark clean
 
 demo: $(VENV)/installed
 	@rm -rf $(DEMO)
@@ -34,6 +35,15 @@ lint: $(VENV)/installed-test
 
 wheel-check:
 	@.ci/wheel-check $(PYTHON)
+
+# Kernels that check every index are others than those that do not: a folder of their own keeps them apart.
+KERNEL_TESTS = $(addprefix tests/,test_far_away.py test_neighbours.py test_preparation_*.py \
+	test_segmentation_border_settling.py test_segmentation_creases.py test_segmentation_linkage.py \
+	test_segmentation_region_merging.py test_segmentation_supervoxels.py test_descriptors_*.py test_topology_*.py \
+	test_concepts_mixing.py motifs/test_motif_reference.py motifs/test_prototype_stimuli.py)
+
+test-bounds: $(VENV)/installed-test
+	@NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=$(abspath $(VENV))/checked-kernels $(BIN)/python -m pytest --quiet $(KERNEL_TESTS)
 
 # Kernels are cached for one version of numba at a time: a folder of its own leaves those of $(VENV) alone.
 test-lowest: $(LOWEST)/installed-test
