@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from shapeconcepts.scan import ScanError
+from shapeconcepts.scan import ScanError, ScanWarning
 from shapeconcepts.sources.osd import load_osd
 
 
@@ -85,6 +85,14 @@ def test_scene_without_labels(tmp_path):
     write_scene(tmp_path / "learn0.pcd", [row[:3] for row in ROWS], "x y z", "F F F")
     with pytest.raises(ScanError, match=r"learn0\.pcd: has no field label"):
         load_osd(tmp_path)
+
+
+def test_a_scene_that_cannot_be_read_is_skipped(tmp_path):
+    write_scene(tmp_path / "learn0.pcd", ROWS)
+    (tmp_path / "learn1.pcd").write_text("no scene\n")
+    with pytest.warns(ScanWarning, match=r"1 of \d+ scans are left out: .*learn1\.pcd"):
+        scans = load_osd(tmp_path)
+    assert len(scans) > 0 and "learn1.pcd" in str(scans.skipped[0])
 
 
 def test_nothing_there(tmp_path):

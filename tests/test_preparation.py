@@ -71,6 +71,12 @@ def test_given_leaf_is_used():
     assert prepare(Scan(kinect_sheet()), voxel_size=0.013).voxel_size == 0.013
 
 
+@pytest.mark.filterwarnings("error")
+def test_tiny_leaf_gives_each_point_its_voxel():
+    points = kinect_sheet()
+    assert len(prepare(Scan(points), voxel_size=1e-300).points) == len(np.unique(points, axis=0))
+
+
 def test_rows_that_are_not_finite_are_dropped():
     points = kinect_sheet()
     clean = prepare(Scan(points, viewpoint=np.zeros(3)))

@@ -173,11 +173,21 @@ def test_a_hole_in_a_reader_costs_one_file(tmp_path, monkeypatch):
     assert scans.skipped[0].__cause__ is hole
 
 
-@pytest.mark.parametrize("kind", [MemoryError, KeyboardInterrupt])
-def test_what_is_no_fault_of_the_file_passes(tmp_path, monkeypatch, kind):
+def test_a_file_that_needs_too_much_memory_is_skipped(tmp_path, monkeypatch):
     def read(data):
-        raise kind
+        raise MemoryError
+
+    make(tmp_path / "1.xyz")
+    make(tmp_path / "2.off")
+    monkeypatch.setitem(reader._READERS, ".off", read)
+    with pytest.warns(ScanWarning, match=r"2\.off: needs more memory than there is to be read"):
+        assert len(read_scans(tmp_path)) == 1
+
+
+def test_an_interrupt_passes(tmp_path, monkeypatch):
+    def read(data):
+        raise KeyboardInterrupt
 
     monkeypatch.setitem(reader._READERS, ".off", read)
-    with pytest.raises(kind):
+    with pytest.raises(KeyboardInterrupt):
         read_scans(make(tmp_path / "1.off"))

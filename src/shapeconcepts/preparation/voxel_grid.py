@@ -93,7 +93,7 @@ def cell_keys(coordinates: NDArray[np.float64], voxel_size: float) -> NDArray[np
     if not np.isfinite(cells).all():
         raise ValueError(f"voxel_size {voxel_size!r} is too small for an object of {np.ptp(axes):.3g} m")
     cells -= cells.min(axis=1, keepdims=True)
-    if (cells.max(axis=1) + 1).prod() >= 2.0**62:
+    if np.log2(cells.max(axis=1) + 1).sum() >= 62:
         return np.unique(cells, axis=1, return_inverse=True)[1].reshape(-1).astype(np.int64)
     keys, _ = keys_of(cells, 0)
     return keys

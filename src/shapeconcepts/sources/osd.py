@@ -6,6 +6,7 @@ As re-annotated by S. Alexandrov (mOSD) in the data repository of the Point Clou
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator
 from os import PathLike
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from shapeconcepts.io.viewpoint import finite_rows
 from shapeconcepts.scan import Scan, ScanError
-from shapeconcepts.sources.collection import ScanList, existing_folder, find_scan_files
+from shapeconcepts.sources.collection import ScanFile, ScanList, collect, existing_folder, find_scan_files
 from shapeconcepts.sources.reader import read_scan
 
 # Scenes of boxes and of cylindric objects (paper, table of the data sets).
@@ -48,18 +49,25 @@ def load_osd(folder: str | PathLike[str]) -> ScanList:
     Raises
     ------
     ScanError
-        If a scene cannot be read or has no labels, or there is none.
+        If there is no scene, or none can be read and has labels. One scene that cannot is left out, listed in
+        `ScanList.skipped`, and a ScanWarning tells so.
     """
     folder = existing_folder(folder)
-    scans = ScanList()
-    for file in find_scan_files(folder):
-        if file.failure:
-            scans.skipped.append(ScanError(f"{file.path}: {file.failure}"))
-        elif file.path.suffix.lower() == ".pcd":
-            scans += scene_objects(read_scan(file.path))
-    if not scans:
+    results = list(_objects(find_scan_files(folder)))
+    if not results:
         raise ScanError(f"{folder}: holds no scene (.pcd) with labelled objects")
-    return scans
+    return collect(results)
+
+
+def _objects(files: Iterable[ScanFile]) -> Iterator[Scan | ScanError]:
+    for file in files:
+        try:
+            if file.failure:
+                raise ScanError(f"{file.path}: {file.failure}")
+            if file.path.suffix.lower() == ".pcd":
+                yield from scene_objects(read_scan(file.path))
+        except ScanError as error:
+            yield error
 
 
 def is_labelled_scene(labels: NDArray[np.int64] | None) -> bool:

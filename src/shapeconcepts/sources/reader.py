@@ -23,7 +23,7 @@ from shapeconcepts.io.ply import read_ply
 from shapeconcepts.io.regular_file import read_regular_file
 from shapeconcepts.io.text_table import read_text_table
 from shapeconcepts.io.viewpoint import finite_rows
-from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.scan import Scan, ScanError, scan_errors
 from shapeconcepts.simulation.sensor import scan_mesh
 
 Viewpoint = ArrayLike | Literal["auto"] | None
@@ -111,17 +111,12 @@ def read_scan(
     if isinstance(viewpoint, str) and viewpoint != "auto":
         raise ValueError(f'viewpoint must be "auto", 3 numbers or None, got {viewpoint!r}')
 
-    data = _content(path, suffix)
-    try:
+    with scan_errors(str(path), "read"):
+        data = _content(path, suffix)
         if suffix == ".png":
             scan = _scan(path, lambda: read_depth_image(data, intrinsics, mask, depth_scale))
         else:
             scan = _scan(path, lambda: _READERS[suffix](data))
-    except (ScanError, MemoryError):
-        raise
-    except Exception as error:
-        # What no reader foresaw in a file must not end the reading of a thousand others.
-        raise ScanError(f"{path}: cannot be read ({type(error).__name__}: {error})") from error
     return scan if isinstance(viewpoint, str) else replace(scan, viewpoint=position)
 
 
