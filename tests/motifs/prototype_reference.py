@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from motif_reference import SlowEnsemble, SlowObject, decompose
 
 DIVERGENCE_ERROR = 3 * 2**-24
-SMALLEST_SCALE = 1e-5
 SMALLEST_STIMULUS = 1e-3
 # Of the sums, which the kernel adds up in another order and from kernels rounded to 2^-40.
 SUM_ERROR = 1e-9
@@ -52,8 +51,14 @@ def hellinger(p: list[float], q: list[float]) -> float:
 class SlowField:
     """Prototypes (object, constellation) in any order, and their scales."""
 
-    def __init__(self, objects: list[list[Constellation]], n_neighbours: int, width: float = 0.35) -> None:
-        self.n_neighbours, self.width = n_neighbours, width
+    def __init__(
+        self,
+        objects: list[list[Constellation]],
+        n_neighbours: int,
+        width: float = 0.35,
+        resolution: float = 0.05,
+    ) -> None:
+        self.n_neighbours, self.width, self.resolution = n_neighbours, width, resolution
         self.prototypes = [
             (index, constellation) for index, parts in enumerate(objects) for constellation in parts
         ]
@@ -66,8 +71,8 @@ class SlowField:
             if index != left_out
         )
         if not divergences:
-            return SMALLEST_SCALE
-        return max(divergences[: self.n_neighbours][-1], SMALLEST_SCALE)
+            return self.resolution
+        return max(divergences[: self.n_neighbours][-1], self.resolution)
 
     def stimuli(self, constellation: Constellation, left_out: int = -1) -> dict[tuple, Bounds]:
         """Of each prototype (object, segments) that counts."""
@@ -80,7 +85,7 @@ class SlowField:
             same = [a == b for a, b in zip(constellation.motifs, prototype.motifs, strict=True)]
             share = (1 + sum(same)) / (1 + len(same))
             low, high = (
-                share * kernel(divergence + error, scale - error, own_scale - error, self.width)
+                share * kernel(divergence + error, scale - error, own_scale - error, self)
                 for error in (DIVERGENCE_ERROR, -DIVERGENCE_ERROR)
             )
             if divergence == 1 or high < SMALLEST_STIMULUS:
@@ -107,7 +112,7 @@ class SlowField:
         return row
 
 
-def kernel(divergence: float, scale: float, own_scale: float, width: float) -> float:
+def kernel(divergence: float, scale: float, own_scale: float, field: SlowField) -> float:
     divergence = min(max(divergence, 0.0), 1.0)
-    sigma, own_sigma = (width * max(each, SMALLEST_SCALE) for each in (scale, own_scale))
+    sigma, own_sigma = (field.width * max(each, field.resolution) for each in (scale, own_scale))
     return math.exp(-(divergence**2) / (2 * sigma * own_sigma))

@@ -26,6 +26,8 @@ every_kind_of_columns = pytest.mark.parametrize("columns", COLUMNS)
 OTHER = {
     "columns": "motifs",
     "n_neighbours": 2,
+    "resolution": 0.3,
+    "max_columns": 20,
     "width": 0.7,
     "bandwidth": 0.5,
     "leave_own_out": False,
@@ -41,6 +43,8 @@ def given() -> dict[str, object]:
         "dictionary": SegmentDictionary(np.int64(3)),
         "columns": "".join(["mot", "ifs"]),
         "n_neighbours": np.int16(7),
+        "resolution": np.float32(0.02),
+        "max_columns": np.int32(30),
         "width": np.float32(0.3),
         "bandwidth": 1,
         "leave_own_out": np.bool_(False),

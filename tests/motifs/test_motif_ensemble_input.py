@@ -108,6 +108,8 @@ FROM_1 = r"must be an int in the range \[1, 2147483647\]"
         ),
         ({"n_neighbours": 0}, rf"'n_neighbours' .* {FROM_1} or None\. Got 0 instead"),
         ({"n_neighbours": True}, rf"'n_neighbours' .* {FROM_1} or None\. Got 'True' instead"),
+        ({"resolution": 0}, rf"'resolution' .* {POSITIVE}\. Got 0 instead"),
+        ({"max_columns": 0}, rf"'max_columns' .* {FROM_1}\. Got 0 instead"),
         ({"leave_own_out": "no"}, "'leave_own_out' .* Got 'no' instead"),
         ({"n_jobs": 1.5}, r"'n_jobs' .* Got 1\.5 instead"),
         ({"dictionary": 3}, r"'dictionary' .* 'transform' or None\. Got 3 instead"),

@@ -28,7 +28,16 @@ few_words_are_no_news = pytest.mark.filterwarnings("ignore:.*different segment d
 
 @few_words_are_no_news
 def test_clone_and_parameters(dictionary, train):
-    model = MotifHierarchyEnsemble(SegmentDictionary(3), "motifs", 7, 0.5, 0.2, False, 3, 2)
+    model = MotifHierarchyEnsemble(
+        SegmentDictionary(3),
+        "motifs",
+        7,
+        width=0.5,
+        bandwidth=0.2,
+        leave_own_out=False,
+        min_support=3,
+        n_jobs=2,
+    )
     copied = clone(model.fit(train))
     parameters, expected = copied.get_params(), model.get_params()
     assert parameters.pop("dictionary").n_levels == expected.pop("dictionary").n_levels == 3
@@ -39,9 +48,11 @@ def test_clone_and_parameters(dictionary, train):
         "dictionary__metric": "hellinger",
         "dictionary__n_levels": 3,
         "leave_own_out": False,
+        "max_columns": 4096,
         "min_support": 3,
         "n_neighbours": 7,
         "n_jobs": 2,
+        "resolution": 0.05,
         "width": 0.5,
     }
     assert not hasattr(copied, "hierarchies_") and not hasattr(copied, "stimuli_")

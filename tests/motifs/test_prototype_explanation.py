@@ -30,7 +30,7 @@ def slow_objects() -> list[SlowObject]:
 @pytest.fixture(scope="module")
 def model(slow_objects) -> MotifHierarchyEnsemble:
     train = [described(one, f"object {index}") for index, one in enumerate(slow_objects[:N_TRAIN])]
-    return MotifHierarchyEnsemble(fit_dictionary(train, 3), n_neighbours=4).fit(train)
+    return MotifHierarchyEnsemble(fit_dictionary(train, 3), n_neighbours=4, resolution=0.01).fit(train)
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,7 @@ def slow(model) -> SlowEnsemble:
 
 @pytest.fixture(scope="module")
 def slow_field(slow_objects, slow) -> SlowField:
-    return SlowField([constellations_of(one, slow) for one in slow_objects[:N_TRAIN]], 4)
+    return SlowField([constellations_of(one, slow) for one in slow_objects[:N_TRAIN]], 4, resolution=0.01)
 
 
 @pytest.fixture(params=range(0, N_TRAIN + 10, 2))

@@ -20,7 +20,7 @@ from scipy.sparse import csr_matrix, vstack
 
 from shapeconcepts import MotifHierarchyEnsemble, SegmentDictionary, describe, read_scan, segment
 from shapeconcepts.motifs.decomposition import decompose
-from shapeconcepts.motifs.prototype_stimuli import PrototypeField
+from shapeconcepts.motifs.prototype_stimuli import PrototypeField, sampled_prototypes
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*different segment descriptions give")
 N_TRAIN = 24
@@ -53,7 +53,8 @@ def compare(
 ) -> list[float]:
     """Compare training rows and new rows; return the widths of the bounds of all stimuli."""
     n_prototypes = sum(len(one) for one in train)
-    slow = SlowField(train, model.n_neighbours or round(n_prototypes**0.5), model.width)
+    n_neighbours = model.n_neighbours or max(25, round(n_prototypes**0.5))
+    slow = SlowField(train, n_neighbours, model.width, model.resolution)
     widths = []
     cases = [(row, index) for index, row in enumerate(by_prototype(model, model.stimuli_))]
     cases = [(row, train[index], index if model.leave_own_out else -1) for row, index in cases]
@@ -101,6 +102,7 @@ def test_random_objects(with_pairs):
             1 + trial % 3,
             n_neighbours=(1, 3, 20)[trial % 3],
             width=(0.35, 0.35, 0.1, 2.0)[trial // 3 % 4],
+            resolution=(1e-5, 0.05, 0.3)[trial // 2 % 3],
             leave_own_out=trial % 4 != 0,
         )
     # The bounds say something: rounding leaves nearly all stimuli as they are.
@@ -149,9 +151,12 @@ EMPTY = SlowObject([[0.0] * 3] * 2, {}, [(0, 1)])
 HALF = SlowObject([[0.0] * 3, [1.0, 0.0, 0.0]], {}, [])
 
 
-def fitted(objects: list[SlowObject], n_levels: int = 1, **parameters) -> MotifHierarchyEnsemble:
+def fitted(
+    objects: list[SlowObject], n_levels: int = 1, resolution: float = 1e-5, **parameters
+) -> MotifHierarchyEnsemble:
     objects = [described(one) for one in objects]
-    return MotifHierarchyEnsemble(fit_dictionary(objects, n_levels), **parameters).fit(objects)
+    dictionary = fit_dictionary(objects, n_levels)
+    return MotifHierarchyEnsemble(dictionary, resolution=resolution, **parameters).fit(objects)
 
 
 def test_single_training_object():
@@ -204,7 +209,9 @@ def test_row_sums_to_the_share_that_reminds_of_anything(model, train, new):
 
 def test_all_goes_to_the_only_prototype_that_resembles():
     """Exactly all: no rounding makes an entry more than 1."""
-    model = fitted([SlowObject([segment], {}, []) for segment in ([8.0, 1.0, 1.0], [1.0, 1.0, 8.0])])
+    model = fitted(
+        [SlowObject([segment], {}, []) for segment in ([8.0, 1.0, 1.0], [1.0, 1.0, 8.0])], n_neighbours=1
+    )
     new = [SlowObject([[8.0, 1.0 + more, 1.0]], {}, []) for more in np.linspace(0.1, 2, 50)]
     rows = model.transform([described(one) for one in new])
     np.testing.assert_array_equal(rows.toarray(), [[1, 0]] * 50)
@@ -324,7 +331,49 @@ def test_names_of_columns(model):
 
 def test_equal_prototypes_have_equal_scales():
     model = fitted([SAME, SAME, HALF])
-    field = PrototypeField.of(model.hierarchies_, 1, 0.35)
+    field = PrototypeField.of(model.hierarchies_, model.columns_, 1, 1e-3, 0.35)
     twins = model.hierarchies_.prototype_objects < 2
-    np.testing.assert_array_equal(field.scales[twins], np.float64(1e-5))
-    assert (field.scales >= 1e-5).all() and (field.scales <= 1).all()
+    np.testing.assert_array_equal(field.scales[twins], np.float64(1e-3))
+    assert (field.scales >= 1e-3).all() and (field.scales <= 1).all()
+
+
+def test_a_sample_of_prototypes_stands_for_all(dictionary, train, new):
+    whole = MotifHierarchyEnsemble(dictionary).fit(train)
+    model = MotifHierarchyEnsemble(dictionary, max_columns=20).fit(train)
+    assert len(model.columns_) == 20 < len(whole.columns_)
+    assert (np.diff(model.columns_) > 0).all()
+    assert (
+        model.stimuli_.shape[1] == model.transform(new).shape[1] == len(model.get_feature_names_out()) == 20
+    )
+    names = whole.get_feature_names_out()
+    np.testing.assert_array_equal(model.get_feature_names_out(), names[model.columns_])
+    for one, row in zip(new[:5], model.transform(new[:5]).toarray(), strict=True):
+        fired = {motif.column for motif in model.explain(one).motifs}
+        assert fired <= set(np.flatnonzero(row).tolist())
+    # The same constellations, whatever the order of the objects.
+    other = MotifHierarchyEnsemble(dictionary, max_columns=20).fit(train[::-1])
+    assert sorted(map(bytes, other.hierarchies_.prototypes[other.columns_])) == sorted(
+        map(bytes, model.hierarchies_.prototypes[model.columns_])
+    )
+
+
+@pytest.mark.parametrize("n_most", [1, 50, 100, 101])
+def test_sampled_prototypes(n_most):
+    rng = np.random.default_rng(0)
+    histograms = rng.dirichlet(np.ones(8), 100).astype(np.float32)
+    sampled = sampled_prototypes(histograms, n_most)
+    assert len(np.unique(sampled)) == min(n_most, 100)
+    order = rng.permutation(100)
+    again = order[sampled_prototypes(histograms[order], n_most)]
+    np.testing.assert_array_equal(np.sort(again), sampled)
+    # Neither the last bits nor anything but the prototypes themselves.
+    wiggled = histograms * np.float32(1 + 1e-7)
+    assert len(np.setdiff1d(sampled_prototypes(wiggled, n_most), sampled)) <= 1
+
+
+def test_a_sample_follows_how_frequent_prototypes_are():
+    rng = np.random.default_rng(0)
+    flat, steep = np.linspace(1, 2, 16), np.linspace(0, 3, 16)
+    histograms = np.concatenate([rng.dirichlet(50 * flat, 3000), rng.dirichlet(50 * steep + 1, 1000)])
+    sampled = sampled_prototypes(histograms.astype(np.float32), 1000)
+    assert 690 < (sampled < 3000).sum() < 810

@@ -19,7 +19,7 @@ from shapeconcepts.motifs.dictionary import SegmentDictionary
 from shapeconcepts.motifs.explanation import Explanation, explain
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.propagation import DecomposedObject, decompose_object, propagate
-from shapeconcepts.motifs.prototype_stimuli import PrototypeField
+from shapeconcepts.motifs.prototype_stimuli import PrototypeField, sampled_prototypes
 from shapeconcepts.motifs.stimuli import Activation, MotifField, sparse_rows
 from shapeconcepts.parallel import map_in_order
 from shapeconcepts.parameters import (
@@ -53,7 +53,13 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         the mean over its prototypes (the paper's equation 1), see `MotifField`.
     n_neighbours : int or None
         For "prototypes": the bandwidth around a prototype follows the divergence to its n-th neighbour. None:
-        the square root of the number of prototypes.
+        the square root of the number of columns, at least 25.
+    resolution : float
+        For "prototypes": smallest divergence that the bandwidth follows, in squared Hellinger distance.
+        However many scans there are, differences much smaller than this are none.
+    max_columns : int
+        For "prototypes": most columns. Of more prototypes, a sample that follows how frequent they are stands
+        for all, so that rows do not become finer with ever more scans, nor longer.
     width : float
         For "prototypes": bandwidth in parts of that divergence.
     bandwidth : float
@@ -86,6 +92,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
     """
 
     _field: PrototypeField | MotifField | None
+    _sampled: NDArray[np.int64] | None
     _training_stimuli: csr_matrix | None
     _default_stages: ClassVar[dict[str, Callable[[], BaseEstimator]]] = {"dictionary": SegmentDictionary}
     _parameter_constraints: ClassVar[dict[str, list[Any]]] = {
@@ -93,6 +100,8 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         "dictionary": [HasMethods(["transform"]), None],
         "columns": [choice(*COLUMNS)],
         "n_neighbours": [whole_number(1), None],
+        "resolution": [positive_number()],
+        "max_columns": [whole_number(1)],
         "width": [positive_number()],
         "bandwidth": [positive_number()],
         "leave_own_out": ["boolean"],
@@ -105,6 +114,8 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         dictionary: SegmentDictionary | None = None,
         columns: str = "prototypes",
         n_neighbours: int | None = None,
+        resolution: float = 0.05,
+        max_columns: int = 4096,
         width: float = 0.35,
         bandwidth: float = 0.1,
         leave_own_out: bool = True,
@@ -114,6 +125,8 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         self.dictionary = dictionary
         self.columns = columns
         self.n_neighbours = n_neighbours
+        self.resolution = resolution
+        self.max_columns = max_columns
         self.width = width
         self.bandwidth = bandwidth
         self.leave_own_out = leave_own_out
@@ -256,8 +269,13 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         if self._field is None:
             known, learned_with = self.hierarchies_, self._learned_with
             if learned_with["columns"] == "prototypes":
-                n_neighbours = learned_with["n_neighbours"] or max(1, round(len(known.prototypes) ** 0.5))
-                self._field = PrototypeField.of(known, n_neighbours, float(learned_with["width"]))
+                self._field = PrototypeField.of(
+                    known,
+                    self.columns_,
+                    learned_with["n_neighbours"],
+                    float(learned_with["resolution"]),
+                    float(learned_with["width"]),
+                )
             else:
                 bandwidth = float(learned_with["bandwidth"])
                 self._field = MotifField.of(known, learned_with["min_support"], bandwidth)
@@ -268,7 +286,11 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         """Prototype or vertex behind each column."""
         check_is_fitted(self, "hierarchies_")
         if self._learned_with["columns"] == "prototypes":
-            return np.arange(len(self.hierarchies_.prototypes))
+            if self._sampled is None:
+                self._sampled = sampled_prototypes(
+                    self.hierarchies_.prototypes, self._learned_with["max_columns"]
+                )
+            return self._sampled
         assert isinstance(self.field_, MotifField)
         return self.field_.columns
 
@@ -302,7 +324,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         self.hierarchies_ = hierarchies
         self.n_features_in_ = hierarchies.prototypes.shape[1]
         self._learned_with = {k: v for k, v in self.get_params(deep=False).items() if k != "dictionary"}
-        self._field = self._training_stimuli = None
+        self._field = self._sampled = self._training_stimuli = None
         return self
 
     def _fitted_dictionary(self, objects: list[DecomposedObject]) -> SegmentDictionary:

@@ -142,19 +142,20 @@ def _explain_by_prototypes(propagation: Propagation, field: PrototypeField) -> E
         stimulated = np.flatnonzero(stimuli)
         if len(stimulated) == 0:
             continue
-        behind = stimulated[np.argsort(-stimuli[stimulated], kind="stable")]
+        columns = stimulated[np.argsort(-stimuli[stimulated], kind="stable")]
+        behind = field.columns[columns]
         strongest = int(behind[0])
         shared = np.flatnonzero(activated[constellation] == hierarchies.prototype_vertices[strongest])
         vertex = int(activated[constellation, shared[-1]]) if len(shared) else -1
         motifs.append(
             FiredMotif(
-                column=strongest,
+                column=int(columns[0]),
                 vertex=vertex,
                 name=hierarchies.name(vertex) if vertex >= 0 else "d0",
                 dictionary_level=int(hierarchies.dictionary_levels[vertex]) if vertex >= 0 else 0,
                 motif_level=int(propagation.motif_levels[constellation]),
                 words=hierarchies.motif(vertex) if vertex >= 0 else (),
-                stimulus=float(stimuli[strongest]),
+                stimulus=float(stimuli[columns[0]]),
                 segments=segments_in(int(propagation.constellations[constellation])),
                 n_prototypes=len(behind),
                 closest=_similar_prototypes(histogram, behind, hierarchies),

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from shapeconcepts.kernels import kernel
 from shapeconcepts.motifs.stimulus_kernels import ONE
 
-# Divergences closer than this are the rounding of equal histograms.
-SMALLEST_SCALE = 1e-5
 TILE = 512
 AT_ONCE = 16
 
@@ -64,11 +62,13 @@ def neighbourhood_scale(
     objects: NDArray[np.int32],
     left_out: int,
     n_neighbours: int,
+    resolution: float,
     others: NDArray[np.float64],
 ) -> float:
     """Divergence to the n-th nearest prototype of other objects, or to the last where there are fewer.
 
-    At least 1e-5, and that where there is no other object. `others` is a buffer as long as `divergences`.
+    At least `resolution`, and that where there is no other object. `others` is a buffer as long as
+    `divergences`.
     """
     n = 0
     for t in range(len(divergences)):
@@ -76,14 +76,14 @@ def neighbourhood_scale(
             others[n] = divergences[t]
             n += 1
     if n == 0:
-        return SMALLEST_SCALE
+        return resolution
     k = min(n_neighbours, n) - 1
-    return max(np.partition(others[:n], k)[k], SMALLEST_SCALE)
+    return max(np.partition(others[:n], k)[k], resolution)
 
 
 @kernel
 def neighbourhood_scales(
-    prototype_roots: NDArray[np.float32], objects: NDArray[np.int32], n_neighbours: int
+    prototype_roots: NDArray[np.float32], objects: NDArray[np.int32], n_neighbours: int, resolution: float
 ) -> NDArray[np.float64]:
     """`neighbourhood_scale` of every prototype, (p,) float64."""
     n = prototype_roots.shape[1]
@@ -93,7 +93,9 @@ def neighbourhood_scales(
         end = min(first + AT_ONCE, n)
         hellinger_divergences(prototype_roots[:, first:end].T.copy(), prototype_roots, divergences)
         for t in range(first, end):
-            scales[t] = neighbourhood_scale(divergences[t - first], objects, objects[t], n_neighbours, others)
+            scales[t] = neighbourhood_scale(
+                divergences[t - first], objects, objects[t], n_neighbours, resolution, others
+            )
     return scales
 
 
@@ -105,6 +107,7 @@ def prototype_stimuli(
     scales: NDArray[np.float64],
     left_out: int,
     n_neighbours: int,
+    resolution: float,
     width: float,
     smallest: float,
     stimuli: NDArray[np.float64],
@@ -123,6 +126,8 @@ def prototype_stimuli(
     left_out : int
         Training object whose prototypes do not count, -1 for none.
     n_neighbours : int
+    resolution : float
+        Smallest scale.
     width : float
         Bandwidth in parts of the scales.
     smallest : float
@@ -133,7 +138,7 @@ def prototype_stimuli(
         Buffer.
     """
     n_levels = len(activated)
-    scale = neighbourhood_scale(stimuli, prototype_objects, left_out, n_neighbours, others)
+    scale = neighbourhood_scale(stimuli, prototype_objects, left_out, n_neighbours, resolution, others)
     # Beyond this the kernel is under `smallest` whatever the words.
     reach = -2.0 * math.log(smallest) * width * width * scale
     for t in range(len(stimuli)):
@@ -161,6 +166,7 @@ def prototype_row(
     scales: NDArray[np.float64],
     left_out: int,
     n_neighbours: int,
+    resolution: float,
     width: float,
     smallest: float,
 ) -> NDArray[np.float64]:
@@ -184,6 +190,7 @@ def prototype_row(
                 scales,
                 left_out,
                 n_neighbours,
+                resolution,
                 width,
                 smallest,
                 stimuli,

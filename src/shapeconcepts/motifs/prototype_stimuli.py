@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from zlib import crc32
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,48 +19,64 @@ from shapeconcepts.motifs.prototype_kernels import (
 from shapeconcepts.motifs.stimuli import Activation, SparseRow
 
 SMALLEST_KERNEL = 1e-3
+# With fewer, a bandwidth says more about which scans there happen to be than about their shapes.
+LEAST_NEIGHBOURS = 25
 
 
 @dataclass(frozen=True, eq=False)
 class PrototypeField:
-    """The prototypes of all hierarchies as sources of stimuli, each with a bandwidth of its own.
+    """Prototypes of all hierarchies as sources of stimuli, each with a bandwidth of its own.
 
     A constellation q stimulates a prototype t by
 
         (1 + m) / (1 + n) * exp(-d(t, q)^2 / (2 * sigma_t * sigma_q)),
 
     where d is the squared Hellinger distance of their descriptions, sigma is `width` times the divergence d
-    to the N-th nearest prototype of other objects (the last where there are fewer; 1e-5 at least), and m of
-    the n hierarchies give both the same motif. Where they have nothing in common (d = 1, also without mass)
-    there is no stimulus.
+    to the N-th nearest prototype of other objects (the last where there are fewer; `resolution` at least),
+    and m of the n hierarchies give both the same motif. Where they have nothing in common (d = 1, also
+    without mass) there is no stimulus.
 
     Attributes
     ----------
     hierarchies : MotifHierarchies
-    roots : (b, p) float32
-        Square roots of the prototypes' histograms.
-    scales : (p,) float64
-        Divergence of each prototype to its N-th neighbour, at least 1e-5.
+    columns : (c,) int64
+        Prototype behind each column, rising.
+    roots : (b, c) float32
+        Square roots of their histograms.
+    scales : (c,) float64
+        Divergence of each to its N-th neighbour, at least `resolution`.
     n_neighbours : int
         N.
+    resolution : float
     width : float
     """
 
     hierarchies: MotifHierarchies
+    columns: NDArray[np.int64]
     roots: NDArray[np.float32]
     scales: NDArray[np.float64]
     n_neighbours: int
+    resolution: float
     width: float
 
     @classmethod
-    def of(cls, hierarchies: MotifHierarchies, n_neighbours: int, width: float) -> PrototypeField:
-        """The field of the prototypes of hierarchies."""
-        roots = np.ascontiguousarray(np.sqrt(hierarchies.prototypes).T)
-        scales = neighbourhood_scales(roots, hierarchies.prototype_objects, n_neighbours)
-        return cls(hierarchies, roots, scales, n_neighbours, width)
+    def of(
+        cls,
+        hierarchies: MotifHierarchies,
+        columns: NDArray[np.int64],
+        n_neighbours: int | None,
+        resolution: float,
+        width: float,
+    ) -> PrototypeField:
+        """The field of some prototypes of hierarchies; N is their square root, at least 25, where it is None."""
+        if n_neighbours is None:
+            n_neighbours = max(LEAST_NEIGHBOURS, round(len(columns) ** 0.5))
+        roots = np.ascontiguousarray(np.sqrt(hierarchies.prototypes[columns]).T)
+        scales = neighbourhood_scales(roots, hierarchies.prototype_objects[columns], n_neighbours, resolution)
+        return cls(hierarchies, columns, roots, scales, n_neighbours, resolution, width)
 
     def stimuli(self, histogram: NDArray[np.float32], activated: NDArray[np.int32]) -> NDArray[np.float64]:
-        """Stimulus of each prototype by one constellation of a new object, (p,) float64, 0 to 1.
+        """Stimulus of each column by one constellation of a new object, (c,) float64, 0 to 1.
 
         Stimuli under 1e-3 are 0.
 
@@ -86,10 +104,33 @@ class PrototypeField:
         columns = np.flatnonzero(row)
         return columns.astype(np.int32), row[columns]
 
-    @property
+    @cached_property
     def _known(self) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
-        return self.hierarchies.prototype_vertices, self.hierarchies.prototype_objects, self.scales
+        known = self.hierarchies
+        return known.prototype_vertices[self.columns], known.prototype_objects[self.columns], self.scales
 
     @property
-    def _constants(self) -> tuple[int, float, float]:
-        return self.n_neighbours, self.width, SMALLEST_KERNEL
+    def _constants(self) -> tuple[int, float, float, float]:
+        return self.n_neighbours, self.resolution, self.width, SMALLEST_KERNEL
+
+
+def sampled_prototypes(histograms: NDArray[np.float32], n_most: int) -> NDArray[np.int64]:
+    """A sample of prototypes that follows how frequent they are, the same for any order of them.
+
+    Parameters
+    ----------
+    histograms : (p, b) float32
+    n_most : int
+        Size of the sample; all of them where there are not more.
+
+    Returns
+    -------
+    (c,) int64
+        Rising.
+    """
+    if len(histograms) <= n_most:
+        return np.arange(len(histograms))
+    # A hash draws at random and knows no order. Of thousandths, as last bits differ between processors.
+    thousandths = np.round(1000 * histograms).astype("<i2")
+    drawn = np.array([crc32(row.tobytes()) for row in thousandths])
+    return np.sort(np.argsort(drawn, kind="stable")[:n_most])
