@@ -25,7 +25,7 @@ COMMANDS = (
     "stimuli_ablation.py --repeats 2",
     "concept_quality.py",
     "concept_ablation.py",
-    "concept_mixing.py",
+    "dip_table.py",
     "novelty.py",
     "motif_rigid_motion.py",
     "motif_speed.py",

@@ -43,7 +43,9 @@ VARIANTS: dict[str, Model] = {
     **{f"{n} neighbours": partial(changed, ensemble__n_neighbours=n) for n in (10, 20, 40, 80)},
     **{f"{n} level{'s' * (n > 1)}": partial(changed, ensemble__dictionary__n_levels=n) for n in (1, 4, 8)},
     "own prototypes count": partial(changed, ensemble__leave_own_out=False),
-    "heat geodesic": partial(changed, filtration__heat="geodesic"),
+    **{f"resolution {d}": partial(changed, ensemble__resolution=d) for d in (1e-5, 0.03, 0.07)},
+    **{f"error rate {a}": partial(changed, filtration__error_rate=a) for a in (0.01, 0.2, 1.0)},
+    **{f"granularity {g}": partial(changed, filtration__granularity=g) for g in (0.08, 0.12, 0.16, 0.25)},
     "stop annexations": partial(changed, filtration__stop="annexations"),
     "heat geodesic, stop annexations": partial(
         changed, filtration__heat="geodesic", filtration__stop="annexations"

@@ -1,15 +1,14 @@
 """How the time of heat, filtration and concepts grows with the number of objects.
 
-    python benchmarks/filtration_growth.py [--vertices N ...] [--heat {separation,geodesic}]
+    python benchmarks/filtration_growth.py [--vertices N ...] [--heat {divergence,geodesic}]
 
 Kinds of tree: "attached" joins each vertex to a random earlier one, which gives hubs and short ways; "long"
 joins it to one of the ten before it; "star" joins all to one, with equal lengths. The other lengths are
 random. Every vertex is an object, whose row has 3 of 30 columns. "heat" is the geodesic one; "filtration" is
-what `Filtration.fit` does after it where nothing is refused: separations, annexations, the time of concepts,
-and the concepts at that time, with births, deaths, medoids and labels (what refusals need beside it,
-spanning_tree.py measures). "concepts" are those of at least three objects at half of the time, "all groups"
-those of at least one. Shown is the mean of two runs in one thread, with warm kernels. The bar is 5 s for the
-sum of heat and filtration at a million.
+what `Filtration.fit` does after it: mean divergences, annexations, the time of concepts, and the concepts at
+that time, with births, deaths, medoids and labels. "concepts" are groups of at least three objects at half of
+the time, "all groups" those of at least one. Shown is the mean of two runs in one thread, with warm kernels.
+The bar is 5 s for the sum of heat and filtration at a million.
 """
 
 import os
@@ -65,9 +64,9 @@ def measure(edges: NDArray[np.int32], lengths: str, heat: str) -> tuple[list[flo
     filtration = Filtration(heat=heat, stop="annexations")
     filtration._filter(space)
     moments.append(time.perf_counter())
-    filtration.concepts_at(0.5)
+    filtration.groups_at(0.5)
     moments.append(time.perf_counter())
-    filtration.concepts_at(0.5, min_size=1)
+    filtration.groups_at(0.5, min_size=1)
     moments.append(time.perf_counter())
     largest = filtration.concepts_[0].size if filtration.concepts_ else 0
     return np.diff(moments).tolist(), len(filtration.concepts_), largest
@@ -78,7 +77,7 @@ def main() -> None:
     parser.add_argument(
         "--vertices", type=int, nargs="+", default=SIZES, metavar="N", help="sizes of the trees"
     )
-    parser.add_argument("--heat", choices=("separation", "geodesic"), default="separation")
+    parser.add_argument("--heat", choices=("divergence", "geodesic"), default="divergence")
     options = parser.parse_args()
     warnings.simplefilter("ignore")
     rows = []

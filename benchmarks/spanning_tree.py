@@ -1,13 +1,13 @@
-"""Time and memory of the spanning tree and the neighbourhoods of rows like stimuli, and how they grow.
+"""Time and memory of the spanning tree and the filtration of rows like stimuli, and how they grow.
 
     python benchmarks/spanning_tree.py [--large] [--scipy]
 
 A row has 30 entries of 3,000 columns, drawn without replacement with chances of 1 / rank, so that the first
 few columns are in nearly every row. Measured is `TopologicalSpace.fit`: canonical order, tree and heat, with
 warm kernels, at 2,000 and 20,000 rows; with --large also at 100,000, which takes minutes. "memory" is how far
-the largest resident memory rises during the call (Linux). "neighbours": the same of `Neighbourhoods.of`,
-which is run once. --scipy has SciPy compute all Jensen-Shannon distances of 2,000 rows and their tree. The
-bars: 0.15 s; 10 s and 500 MB; 5 minutes and 2,000 MB.
+the largest resident memory rises during the call (Linux). "classes": the same of `mean_divergences`, the
+rest of the default filtration's work, which is run once. --scipy has SciPy compute all Jensen-Shannon
+distances of 2,000 rows and their tree. The bars: 0.15 s; 10 s and 500 MB; 5 minutes and 2,000 MB.
 """
 
 import os
@@ -25,11 +25,11 @@ from scipy.spatial.distance import pdist, squareform
 
 from common import command, print_table
 from shapeconcepts import Filtration, TopologicalSpace
-from shapeconcepts.topology.neighbourhood import Neighbourhoods
+from shapeconcepts.topology.mean_divergence import mean_divergences
 
 N_COLUMNS = 3_000
 N_ENTRIES = 30
-PER_ROOT = Filtration().neighbours_per_root
+MAX_VERTICES = Filtration().max_vertices
 REPEATS = 5
 
 
@@ -53,7 +53,7 @@ def resident(field: str) -> float:
 
 
 def measure(n: int) -> tuple[float, float, float, float, float]:
-    """Of the tree seconds (median), memory in MB and weight; of the neighbourhoods seconds and memory."""
+    """Of the tree seconds (median), memory in MB and weight; of the classes seconds and memory."""
     rows = make_rows(n)
     Path("/proc/self/clear_refs").write_text("5")
     before = resident("VmRSS")
@@ -66,10 +66,10 @@ def measure(n: int) -> tuple[float, float, float, float, float]:
     Path("/proc/self/clear_refs").write_text("5")
     before = resident("VmRSS")
     start = time.perf_counter()
-    neighbourhoods = Neighbourhoods.of(space, PER_ROOT)
-    of_neighbours = time.perf_counter() - start, resident("VmHWM") - before
-    assert len(neighbourhoods.starts) == n + 1
-    return float(np.median(seconds)), memory, space.divergences_.sum(), *of_neighbours
+    classes = mean_divergences(space, MAX_VERTICES)
+    of_classes = time.perf_counter() - start, resident("VmHWM") - before
+    assert len(classes.order) == n - 1
+    return float(np.median(seconds)), memory, space.divergences_.sum(), *of_classes
 
 
 def scipy_tree(n: int) -> tuple[float, float]:
@@ -86,17 +86,17 @@ def main() -> None:
     parser.add_argument("--scipy", action="store_true", help="also SciPy, at 2,000 rows")
     options = parser.parse_args()
     sizes = [2_000, 5_000, 20_000, *([100_000] if options.large else [])]
-    Neighbourhoods.of(TopologicalSpace().fit(make_rows(100)), PER_ROOT)
+    mean_divergences(TopologicalSpace().fit(make_rows(100)), MAX_VERTICES)
     table, times = [], []
     for n in sizes:
-        seconds, memory, weight, *of_neighbours = measure(n)
+        seconds, memory, weight, *of_classes = measure(n)
         times.append(seconds)
         cells = (f"{seconds:.3f}", f"{memory:.0f}", f"{weight:.6f}")
-        table.append([n, *cells, f"{of_neighbours[0]:.3f}", f"{of_neighbours[1]:.0f}"])
+        table.append([n, *cells, f"{of_classes[0]:.3f}", f"{of_classes[1]:.0f}"])
     if options.scipy:
         seconds, weight = scipy_tree(2_000)
         table.append(["2000, SciPy", f"{seconds:.3f}", "", f"{weight:.6f}", "", ""])
-    titles = ("time, s", "memory, MB", "weight of the tree", "neighbours, s", "neighbours, MB")
+    titles = ("time, s", "memory, MB", "weight of the tree", "classes, s", "classes, MB")
     print_table(("rows", *titles), table)
     print(
         f"exponent of the time over the number of rows: {np.polyfit(np.log(sizes), np.log(times), 1)[0]:.2f}"

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-# A shell lets what it starts in the background ignore interrupts, and so would the commands that tests interrupt.
+# What a shell starts in the background ignores interrupts, and so would the commands that tests interrupt.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"

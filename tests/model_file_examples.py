@@ -19,6 +19,7 @@ from shapeconcepts.parameters import StagesMixin
 LAZY = {
     "_field",
     "_training_stimuli",
+    "_known",
     "prototypes_of",
     "prototype_entropies",
     "support",

@@ -40,10 +40,11 @@ def model_of(
     names: Sequence[str] | None = None,
     skipped: dict[int, str] | None = None,
     *,
-    heat: str = "separation",
-    stop: str = "refusal",
+    heat: str = "divergence",
+    stop: str | None = None,
 ) -> ShapeConceptModel:
     """A model whose training scans have these stimuli."""
+    stop = stop or ("persistence" if heat == "divergence" else "annexations")
     model = ShapeConceptModel(filtration=Filtration(heat=heat, stop=stop))
     n = len(stimuli)
     model.stimuli_ = csr_matrix(stimuli)
@@ -54,6 +55,7 @@ def model_of(
         warnings.simplefilter("ignore")
         model.filtration_ = Filtration(heat=heat, stop=stop).fit(model.stimuli_)
     model.concepts_ = model.filtration_.concepts_
+    model.concept_tree_ = getattr(model.filtration_, "concept_tree_", None)
     model.labels_ = model.filtration_.labels_
     return model
 
@@ -61,9 +63,9 @@ def model_of(
 def grouped_stimuli(n: int, n_groups: int, seed: int = 0) -> tuple[np.ndarray, list[str]]:
     """Noisy stimuli of some groups, and the group of each as its label."""
     rng = np.random.default_rng(seed)
-    centres = rng.dirichlet(np.full(30, 0.2), n_groups)
+    own = np.eye(30)[: 2 * n_groups].reshape(n_groups, 2, 30).sum(axis=1)
     group = np.arange(n) % n_groups
-    rows = centres[group] * rng.gamma(3, 1, (n, 30)) + rng.gamma(0.05, 0.1, (n, 30))
+    rows = np.array([rng.dirichlet(10 * own[g] + 0.02) for g in group])
     return rows, [f"kind {g}" for g in group]
 
 

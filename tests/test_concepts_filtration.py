@@ -8,7 +8,6 @@ from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from shapeconcepts import Filtration
-from shapeconcepts.topology.annexations import HEATS
 from topology_reference import (
     components,
     random_rows,
@@ -19,7 +18,7 @@ from topology_reference import (
     uniform_rows,
 )
 
-STOPS = ("refusal", "annexations")
+HEATS = ("divergence", "geodesic")
 TREES = ("attached", "long", "path", "star", "caterpillar", "two stars")
 PAPER = {"heat": "geodesic", "stop": "annexations"}
 by_both_heats = pytest.mark.parametrize("heat", HEATS)
@@ -38,15 +37,21 @@ def tree(rng: np.random.Generator, kind: str, n: int) -> list[tuple[int, int]]:
     return random_tree(rng, n, 3 if kind == "long" else 10**9)
 
 
-def example(seed: int, heat: str = "geodesic", stop: str = "annexations") -> tuple[Filtration, csr_matrix]:
-    """A tree of a random kind with equal rows at some places, and rows without any entry between them."""
+def example(seed: int, heat: str = "geodesic") -> tuple[Filtration, csr_matrix]:
+    """A tree of a random kind with equal rows at some places, and rows without any entry between them.
+
+    Where divergences count, only those of a tree's neighbours under 1 would be too few: bunches of rows then.
+    """
     rng = np.random.default_rng(seed)
     n = int(rng.integers(2, 40))
     counts = rng.integers(1, rng.choice([2, 2, 3, 6]), n).tolist()
     rows = rows_of_tree(tree(rng, TREES[seed % len(TREES)], n), counts)
+    if heat == "divergence":
+        bunches = np.repeat(rng.random((4, 12)) < 0.4, 10, axis=0)[:n]
+        rows = csr_matrix(np.repeat(bunches + (rng.random((n, 12)) < 0.3), counts, axis=0), dtype=float)
     rows = csr_matrix(np.concatenate([rows.toarray(), np.zeros((seed % 3, rows.shape[1]))]))
     rows = rows[rng.permutation(rows.shape[0])]
-    filtration = Filtration(int(rng.integers(2, 5)), int(rng.choice([1, 3, 7, 20, 200])), heat, stop)
+    filtration = Filtration(int(rng.integers(2, 5)), int(rng.choice([1, 3, 7, 20, 200])), heat, "annexations")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
         return filtration.fit(rows), rows
@@ -55,8 +60,9 @@ def example(seed: int, heat: str = "geodesic", stop: str = "annexations") -> tup
 def slowly(filtration: Filtration):
     edges = sorted(tuple(edge) for edge in filtration.edges_.tolist())
     counts = filtration.space_.multiplicities_.tolist()
-    lengths = filtration.space_.divergences_.tolist() if filtration.heat == "separation" else None
-    return slow_filtration(edges, counts, filtration.min_concept_size, filtration.max_steps, lengths)
+    rows = filtration.space_.rows_.toarray()
+    divergences = slow_divergences(rows, rows) if filtration.heat == "divergence" else None
+    return slow_filtration(edges, counts, filtration.min_concept_size, filtration.max_steps, divergences)
 
 
 def groups_at(filtration: Filtration, n_edges: int, min_size: int) -> list[tuple[int, ...]]:
@@ -123,11 +129,11 @@ def test_concepts_at_any_time(seed, heat):
     for time in np.unique(np.concatenate([times[::2], middles[::3], [0, 0.5, 1]])):
         n_edges = int((times <= time).sum())
         for min_size in (1, 2, 5):
-            concepts = filtration.concepts_at(time, min_size)
+            concepts = filtration.groups_at(time, min_size)
             assert members(concepts) == groups_at(filtration, n_edges, min_size)
             for concept in concepts:
                 check_life(filtration, concept, time)
-        assert members(filtration.concepts_at(time)) == groups_at(
+        assert members(filtration.groups_at(time)) == groups_at(
             filtration, n_edges, filtration.min_concept_size
         )
 
@@ -144,7 +150,7 @@ def test_concepts_are_components_of_scipy(seed, heat):
         placed = filtration.space_.vertices_ >= 0
         group_of = np.where(placed, group[filtration.space_.vertices_], -1)
         expected = {tuple(np.flatnonzero(group_of == k).tolist()) for k in range(n_groups)}
-        found = members(filtration.concepts_at(time, 1))
+        found = members(filtration.groups_at(time, 1))
         assert set(found) == expected and len(found) == n_groups
 
 
@@ -170,7 +176,7 @@ def test_medoid(seed):
     filtration = Filtration().fit(rows)
     checked = 0
     for time in (0, 0.3, 0.6, 1):
-        for concept in filtration.concepts_at(time, min_size=1):
+        for concept in filtration.groups_at(time, min_size=1):
             means = slow_divergences(rows[concept.members], rows[concept.members]).mean(axis=1)
             assert concept.medoid in concept.members
             assert means[concept.members == concept.medoid] <= means.min() + 1e-12
@@ -186,12 +192,12 @@ def test_medoid_of_a_large_group():
     """Its mean is over a part of the group: nearly the smallest, and the same for any order of the rows."""
     rng = np.random.default_rng(0)
     rows = random_rows(rng, 400, 8, 1.0)
-    medoid = Filtration().fit(rows).concepts_at(1)[0].medoid
+    medoid = Filtration().fit(rows).groups_at(1)[0].medoid
     means = slow_divergences(rows[:20], rows).mean(axis=1)
     mean = slow_divergences(rows[[medoid]], rows).mean()
     assert mean < np.quantile(means, 0.2)
     order = rng.permutation(400)
-    assert order[Filtration().fit(rows[order]).concepts_at(1)[0].medoid] == medoid
+    assert order[Filtration().fit(rows[order]).groups_at(1)[0].medoid] == medoid
 
 
 @by_both_heats
@@ -236,8 +242,10 @@ def test_filtration_graph(seed, heat):
         assert out == ([deaths[vertex]] if np.isfinite(deaths[vertex]) else [])
 
 
-@by_both_heats
-@pytest.mark.parametrize("stop", STOPS)
+@pytest.mark.parametrize(
+    ("heat", "stop"),
+    [("divergence", "persistence"), ("divergence", "annexations"), ("geodesic", "annexations")],
+)
 @pytest.mark.parametrize("seed", range(5))
 @no_concepts_are_no_news
 def test_order_of_the_rows_does_not_matter(seed, heat, stop):
@@ -250,8 +258,8 @@ def test_order_of_the_rows_does_not_matter(seed, heat, stop):
     np.testing.assert_array_equal(one.times_, other.times_)
     np.testing.assert_array_equal(one.annexations_, other.annexations_)
     for time in (0.2, 0.5, 0.9):
-        concepts = other.concepts_at(time, 1)
-        assert [set(order[c.members]) for c in concepts] == [set(c.members) for c in one.concepts_at(time, 1)]
+        concepts = other.groups_at(time, 1)
+        assert [set(order[c.members]) for c in concepts] == [set(c.members) for c in one.groups_at(time, 1)]
 
 
 LARGE = "most at one place"
@@ -280,7 +288,7 @@ def test_no_state_that_is_not_trivial(name, heat):
     n = np.shape(TRIVIAL[name])[0]
     assert filtration.labels_.tolist() == [-1] * n
     placed = int((filtration.space_.vertices_ >= 0).sum())
-    everything = filtration.concepts_at(1, min_size=1)
+    everything = filtration.groups_at(1, min_size=1)
     assert [concept.size for concept in everything] == ([placed] if placed else [])
     assert (
         filtration.annexations()[1].sum()
@@ -293,37 +301,22 @@ def test_no_state_that_is_not_trivial(name, heat):
 @pytest.mark.parametrize(
     "name", ["one object", "two objects", "all disjoint", "nothing but empty rows", "no columns"]
 )
-@by_both_heats
-def test_nothing_that_is_left_is_a_concept(name, heat):
+def test_nothing_that_is_left_is_a_concept(name):
     with pytest.warns(UserWarning, match="leaves no class of at least 3 objects: no object is in a concept"):
-        filtration = Filtration(heat=heat).fit(TRIVIAL[name])
+        filtration = Filtration().fit(TRIVIAL[name])
     assert filtration.concepts_ == [] and filtration.concept_time_ is None
-    assert (filtration.labels_ == -1).all()
-    assert len(filtration.times_) + len(filtration.refused_times_) == max(len(filtration.diagram()) - 1, 0)
+    assert (filtration.labels_ == -1).all() and filtration.concepts_at(0.5) == []
+    assert len(filtration.times_) == max(len(filtration.diagram()) - 1, 0)
 
 
-@pytest.mark.parametrize("name", ["three objects", "all equal"])
-@by_both_heats
-def test_a_single_concept(name, heat):
+@pytest.mark.parametrize("name", ["three objects", "all equal", "star", LARGE])
+def test_a_single_concept(name):
     """Of one kind there is one concept, without a warning."""
-    filtration = Filtration(heat=heat).fit(TRIVIAL[name])
+    filtration = Filtration().fit(TRIVIAL[name])
     n = np.shape(TRIVIAL[name])[0]
     assert [concept.size for concept in filtration.concepts_] == [n]
-    assert filtration.labels_.tolist() == [0] * n and filtration.concept_time_ == 1
-
-
-@by_both_heats
-@pytest.mark.parametrize("seed", range(0, 60, 9))
-def test_without_refusals(seed, heat):
-    filtration, _ = example(seed, heat, "refusal")
-    whole, expected = filtration.without_refusals(), example(seed, heat)[0]
-    np.testing.assert_array_equal(whole.edges_, expected.edges_)
-    np.testing.assert_array_equal(whole.times_, expected.times_)
-    np.testing.assert_array_equal(whole.labels_, expected.labels_)
-    assert len(whole.refused_edges_) == 0 and whole.get_params() == expected.get_params()
-    np.testing.assert_array_equal(
-        np.sort(np.concatenate([filtration.times_, filtration.refused_times_])), whole.times_
-    )
+    assert filtration.labels_.tolist() == [0] * n
+    assert filtration.concept_time_ == 1 - filtration.granularity_
 
 
 def test_all_edges_equally_hot():
@@ -332,8 +325,8 @@ def test_all_edges_equally_hot():
     assert filtration.times_.tolist() == [1] * 8
     ends, counts = filtration.annexations()
     assert (ends.tolist(), counts.tolist()) == ([1], [8])
-    assert [c.size for c in filtration.concepts_at(1 - 1e-12, 1)] == [1] * 9
-    only = filtration.concepts_at(1)[0]
+    assert [c.size for c in filtration.groups_at(1 - 1e-12, 1)] == [1] * 9
+    only = filtration.groups_at(1)[0]
     assert (only.birth, only.death, only.lifetime) == (1, np.inf, 0)
 
 
@@ -353,7 +346,7 @@ def test_two_bunches():
 
 def test_multiples_are_concepts_from_the_start():
     filtration = Filtration().fit(rows_of_tree([(k, k + 1) for k in range(5)], [3, 1, 1, 1, 1, 4]))
-    concepts = filtration.concepts_at(0)
+    concepts = filtration.groups_at(0)
     assert [c.size for c in concepts] == [4, 3] and [c.birth for c in concepts] == [0, 0]
     assert [c.medoid for c in concepts] == [7, 0]
 
@@ -367,12 +360,12 @@ def test_multiples_are_concepts_from_the_start():
         ({"max_steps": 0}, r"an int in the range \[1, 2147483647\]. Got 0"),
         ({"max_steps": "many"}, r"an int in the range \[1, 2147483647\]. Got 'many'"),
         # The names come in the order of a set.
-        ({"heat": "warm"}, r"a str among {('separation'|'geodesic'|, ){3}}. Got 'warm'"),
-        ({"stop": None}, r"a str among {('refusal'|'annexations'|, ){3}}. Got None"),
-        ({"least_mixing": 1.1}, r"a float in the range \[0.0, 1.0\]. Got 1.1"),
-        ({"least_mixing": np.nan}, r"a float in the range \[0.0, 1.0\]. Got nan"),
-        ({"neighbours_per_root": 0}, r"a float in the range \(0.0, inf\). Got 0"),
-        ({"n_nearest": 0}, r"an int in the range \[1, 2147483647\]. Got 0"),
+        ({"heat": "warm"}, r"a str among {('divergence'|'geodesic'|, ){3}}. Got 'warm'"),
+        ({"stop": None}, r"a str among {('persistence'|'annexations'|, ){3}}. Got None"),
+        ({"error_rate": 1.1}, r"a float in the range \[0.0, 1.0\]. Got 1.1"),
+        ({"error_rate": np.nan}, r"a float in the range \[0.0, 1.0\]. Got nan"),
+        ({"granularity": -0.1}, r"a float in the range \[0.0, 1.0\] or None. Got -0.1"),
+        ({"max_vertices": 1}, r"an int in the range \[2, 2147483647\]. Got 1"),
     ],
 )
 def test_bad_parameters(parameters, message):
@@ -381,11 +374,19 @@ def test_bad_parameters(parameters, message):
         Filtration(**parameters).fit(np.eye(4))
 
 
+def test_persistence_needs_divergences():
+    with pytest.raises(ValueError, match="heat must be 'divergence' where stop is 'persistence', got 'geode"):
+        Filtration(heat="geodesic").fit(np.eye(4))
+    filtration, _ = example(0)
+    with pytest.raises(ValueError, match="no granularities, where stop is 'annexations': groups_at gives"):
+        filtration.concepts_at(0.5)
+
+
 def test_bad_time_and_size():
     filtration, _ = example(0)
     for time in (-0.1, 1.1, np.nan):
         with pytest.raises(ValueError, match="time must be between 0 and 1"):
-            filtration.concepts_at(time)
+            filtration.groups_at(time)
     for size in (0, 1.5):
         with pytest.raises(ValueError, match="min_size must be an integer of at least 1"):
-            filtration.concepts_at(0.5, size)
+            filtration.groups_at(0.5, size)

@@ -133,7 +133,7 @@ def digests(model: ShapeConceptModel, new: list) -> dict[str, str]:
         "prototypes": [ensemble.hierarchies_.prototypes, ensemble.hierarchies_.prototype_vertices],
         "stimuli": [stimuli.indptr, stimuli.indices, stimuli.data],
         "tree": [filtration.space_.edges_, filtration.space_.divergences_],
-        "filtration": [filtration.edges_, filtration.times_, filtration.refused_edges_],
+        "filtration": [filtration.edges_, filtration.times_, filtration.p_values_],
         "concepts": [model.labels_, *(concept.members for concept in model.concepts_)],
         "stimuli of new": [answers.indptr, answers.indices, answers.data],
         "responses": [model.transform(new)],

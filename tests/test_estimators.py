@@ -54,10 +54,10 @@ def test_clusters_of_any_matrix(parameters):
 
 
 def test_parameters():
-    filtration = Filtration(5, 50, "geodesic", "annexations", 0.7, 2.5, 8)
+    filtration = Filtration(5, 50, "geodesic", "annexations", 0.2, 0.3, 80)
     assert clone(filtration).get_params() == {
         "min_concept_size": 5, "max_steps": 50, "heat": "geodesic", "stop": "annexations",
-        "least_mixing": 0.7, "neighbours_per_root": 2.5, "n_nearest": 8,
+        "error_rate": 0.2, "granularity": 0.3, "max_vertices": 80,
     }  # fmt: skip
     assert ConceptResponse("mahalanobis", 5, 7, 0.5).get_params() == {
         "distance": "mahalanobis", "n_nearest": 5, "max_components": 7, "variance_kept": 0.5,

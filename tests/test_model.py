@@ -381,8 +381,9 @@ def test_preset_of_the_paper(segmented):
         ("filtration__max_steps", 0),
         ("filtration__heat", "mean"),
         ("filtration__stop", "late"),
-        ("filtration__least_mixing", 1.1),
-        ("filtration__neighbours_per_root", float("nan")),
+        ("filtration__error_rate", 1.1),
+        ("filtration__granularity", float("nan")),
+        ("ensemble__resolution", 0),
         ("response__distance", "cosine"),
         ("segmenter__voxel_size", -1),
         ("segmenter__voxel_size", float("nan")),
@@ -476,3 +477,18 @@ def test_in_a_pipeline(segmented, scans):
     with pytest.warns(ScanWarning):
         answers = pipeline.fit(segmented, labels).predict([*segmented[:3], BROKEN])
     assert len(answers) == 4
+
+
+def test_concepts_at_another_granularity(model, new):
+    n_finest = len(model.concepts_at(1.0))
+    assert len(model.concepts_at(0.0)) <= len(model.concepts_) <= n_finest
+    fine = model.at_granularity(1.0)
+    assert len(fine.concepts_) == n_finest and fine.labels_.max() + 1 == n_finest
+    assert fine.transform(new).shape == (len(new), n_finest)
+    assert set(fine.predict(new)) <= set(range(-1, n_finest))
+    assert fine.concept_tree_ is model.concept_tree_ and fine.stimuli_ is model.stimuli_
+    assert model.labels_.max() + 1 == len(model.concepts_)
+    expected = clone(model.response_).fit(model.stimuli_, fine.labels_)
+    np.testing.assert_array_equal(fine.transform(new), expected.transform(model.stimuli(new)))
+    with pytest.raises(ValueError, match="granularity must be a number from 0 to 1, got 2"):
+        model.at_granularity(2)

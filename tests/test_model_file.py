@@ -70,11 +70,26 @@ def test_answers_are_the_same_to_the_last_bit(model, path):
 def test_the_filtration_goes_on(model, path):
     ours, theirs = model.filtration_, saved_and_loaded(model, path).filtration_
     for time in np.linspace(0, 1, 7):
-        assert differences(ours.concepts_at(time, 2), theirs.concepts_at(time, 2)) == []
+        assert differences(ours.groups_at(time, 2), theirs.groups_at(time, 2)) == []
+        if ours.stop == "persistence":
+            assert differences(ours.concepts_at(time), theirs.concepts_at(time)) == []
     assert differences(ours.annexations(), theirs.annexations()) == []
     assert differences(ours.diagram(), theirs.diagram()) == []
     assert list(ours.graph().edges(data=True)) == list(theirs.graph().edges(data=True))
     assert list(ours.graph().nodes(data=True)) == list(theirs.graph().nodes(data=True))
+
+
+def test_names_of_groups_that_are_no_concepts(path):
+    model = fitted_model()
+    others = [one for g in (0.0, 0.9, 1.0) for one in model.concepts_at(g) if one not in model.concepts_]
+    assert others
+    for number, concept in enumerate(others):
+        concept.name = f"group {number}"
+    loaded = saved_and_loaded(model, path)
+    assert loaded.filtration_._group_names() == model.filtration_._group_names() != []
+    for granularity in (0.0, 0.9, 1.0):
+        names = [concept.name for concept in loaded.concepts_at(granularity)]
+        assert names == [concept.name for concept in model.concepts_at(granularity)]
 
 
 def test_what_belongs_together_is_one(model, path):
@@ -159,6 +174,8 @@ def test_parameters_survive(path):
         "ensemble__dictionary__metric": "euclidean",
         "ensemble__columns": "motifs",
         "ensemble__n_neighbours": np.int32(7),
+        "ensemble__resolution": 0.01,
+        "ensemble__max_columns": 70,
         "ensemble__width": 0.4,
         "ensemble__bandwidth": np.float32(0.25),
         "ensemble__leave_own_out": False,
@@ -167,9 +184,9 @@ def test_parameters_survive(path):
         "filtration__stop": "annexations",
         "filtration__min_concept_size": 2,
         "filtration__max_steps": 7,
-        "filtration__least_mixing": 0.7,
-        "filtration__neighbours_per_root": 2.5,
-        "filtration__n_nearest": 9,
+        "filtration__error_rate": 0.2,
+        "filtration__granularity": 0.3,
+        "filtration__max_vertices": 100,
         "response__distance": "mahalanobis",
         "response__n_nearest": 8,
         "response__max_components": 20,

@@ -55,21 +55,21 @@ def test_shapes_and_types(sound, path, name):
     if not nothing_is_in(name, sound):
         refusal(forge(sound, path, longer(name)))
     # Of edges, fewer may be as right.
-    if name not in ("motifs.edges", "filtration.refused_edges"):
+    if name != "motifs.edges":
         refusal(forge(sound, path, lambda tensors, _: tensors.update({name: tensors[name][:0]})))
 
 
 @pytest.mark.parametrize("name", sorted(LAYOUT))
 def test_extreme_values(sound, path, name):
     if nothing_is_in(name, sound):
-        pytest.skip(
-            "responses by divergence have no components, and a filtration like the paper's refuses no edge"
-        )
+        pytest.skip("responses by divergence have no components")
     kind = LAYOUT[name][0]
     if kind.startswith("int"):
         values = [np.iinfo(kind).min, np.iinfo(kind).max, -2]
     else:
-        values = [np.nan, -np.inf, -1e300 if kind == "float64" else -1e30]
+        values = [-np.inf, -1e300 if kind == "float64" else -1e30]
+        # What is not tested has no p-value.
+        values += [] if name == "filtration.p_values" else [np.nan]
         values += [] if name == "concepts.deaths" else [np.inf]
     for value in values:
         for position in (0, -1):
@@ -78,9 +78,7 @@ def test_extreme_values(sound, path, name):
 
 def nothing_is_in(name, sound):
     description = load_description(sound)
-    return (
-        name == "response.whitening" and description["stages"]["response"]["distance"] != "mahalanobis"
-    ) or (name == "filtration.refused_edges" and description["stages"]["filtration"]["stop"] != "refusal")
+    return name == "response.whitening" and description["stages"]["response"]["distance"] != "mahalanobis"
 
 
 def swap_first_columns_of_stimuli(tensors, description):
@@ -109,6 +107,10 @@ def join_two_vertices(tensors, description):
     tensors["space.edges"] = tensors["space.edges"][:-1]
     tensors["space.divergences"] = tensors["space.divergences"][:-1]
     tensors["space.edges"][:] = np.array([(0, i + 1) for i in range(len(tensors["space.edges"]))])
+    n_edges = len(tensors["space.edges"])
+    tensors["filtration.order"] = np.arange(n_edges)
+    tensors["filtration.times"] = tensors["filtration.times"][:n_edges]
+    tensors["filtration.p_values"] = tensors["filtration.p_values"][:n_edges]
 
 
 def unused_concept(tensors, description):
@@ -173,14 +175,15 @@ def skip_another(tensors, description):
         (unused_concept, "concepts.labels must name all of the"),
         (put("concepts.medoids", 0, 2), "concepts.medoids must hold a member of each concept"),
         (put("concepts.births", 0, 1.01), "concepts.births must hold numbers from 0 to 1"),
-        (put("concepts.deaths", 0, 0.0), "concepts.deaths must hold times after births"),
+        (put("concepts.deaths", 0, 0.0), "concepts.deaths must hold times from births on"),
+        (put("filtration.order", 0, 1), "filtration.order must hold every edge of the tree once"),
+        (put("filtration.times", 0, 0.0), "filtration.times must hold rising numbers above 0"),
+        (put("filtration.times", 1, 0.0), "filtration.times must hold rising numbers above 0"),
+        (put("filtration.p_values", 0, 1.01), "filtration.p_values must hold numbers from 0 to 1, or NaN"),
+        (lambda t, d: d.update(group_names=5), "group_names must be a list"),
         (
-            lambda t, d: t.update({"filtration.refused_edges": t["space.edges"][[1, 1]]}),
-            "edges of the tree, each",
-        ),
-        (
-            lambda t, d: t.update({"filtration.refused_edges": t["space.edges"][:, ::-1]}),
-            "edges of the tree, each",
+            lambda t, d: d.update(group_names=[["x", 1]]),
+            "group_names must hold numbers of groups",
         ),
     ],
 )
@@ -197,8 +200,10 @@ def test_content_that_does_not_fit(sound, path, change, message):
             "stimuli.sources must hold numbers from 0 to",
         ),
         (put("response.whitening", (0, 0), 1e31), "response.whitening must hold numbers"),
-        # As many prototypes as there are columns would be one for each.
-        (lambda t, d: d["stages"]["ensemble"].update(columns="prototypes"), "stimuli.sources must name the"),
+        (
+            lambda t, d: d["stages"]["ensemble"].update(columns="prototypes"),
+            "stimuli.sources must hold",
+        ),
     ],
 )
 def test_content_that_does_not_fit_columns_of_motifs(like_the_paper, path, change, message):
@@ -209,25 +214,24 @@ def swap_first_sources(tensors, description):
     tensors["stimuli.sources"][:2] = tensors["stimuli.sources"][[1, 0]]
 
 
-def fewer_columns(tensors, description):
-    n = len(tensors["stimuli.sources"]) - 1
-    tensors["stimuli.sources"] = tensors["stimuli.sources"][:n]
-    tensors["response.mean"] = tensors["response.mean"][:n]
-    tensors["response.whitening"] = tensors["response.whitening"][:n]
-    tensors["stimuli.columns"] = np.minimum(tensors["stimuli.columns"], n - 1)
+@pytest.mark.parametrize(
+    "change", [put("stimuli.sources", 0, 1), put("stimuli.sources", -1, 10**6), swap_first_sources]
+)
+def test_columns_of_prototypes_are_in_order(default, path, change):
+    assert "stimuli.sources must hold" in refusal(forge(default, path, change))
 
 
 @pytest.mark.parametrize(
-    "change",
+    ("change", "message"),
     [
-        put("stimuli.sources", 0, 1),
-        put("stimuli.sources", -1, 10**6),
-        swap_first_sources,
-        fewer_columns,
+        (lambda d: d.update(granularity=None), "granularity must be a number where stop is 'persistence'"),
+        (lambda d: d.update(granularity=0.0), "concepts.labels must name the groups at the granularity"),
+        (lambda d: d.update(group_names=[[10**6, "x"]]), "group_names must name groups that are no concepts"),
+        (lambda d: d.update(group_names=[[-1, "x"]]), "group_names must name groups that are no concepts"),
     ],
 )
-def test_columns_of_prototypes_are_all_in_order(default, path, change):
-    assert "stimuli.sources must name the prototypes 0 to" in refusal(forge(default, path, change))
+def test_granularity_and_names_that_do_not_fit(default, path, change, message):
+    assert message in refusal(forge(default, path, lambda _, description: change(description)))
 
 
 def answers(path: Path) -> list:
@@ -239,8 +243,8 @@ def answers(path: Path) -> list:
     ("stage", "name", "values"),
     [
         ("ensemble", "columns", ("motifs", "prototypes")),
-        ("filtration", "heat", ("separation", "geodesic")),
-        ("filtration", "stop", ("refusal", "annexations")),
+        ("filtration", "heat", ("divergence", "geodesic")),
+        ("filtration", "stop", ("persistence", "annexations")),
         ("response", "distance", ("divergence", "mahalanobis")),
     ],
 )
@@ -250,11 +254,11 @@ def test_forged_parameters_are_refused_or_harmless(sound, path, stage, name, val
         try:
             found = answers(path)
         except ModelError as error:
-            assert "stimuli.sources" in str(error) or "refused_edges must be empty" in str(error)
+            assert "stimuli.sources" in str(error) or "granularity must be a number" in str(error)
             continue
         assert found[0].shape[0] == len(found[1]) == 8
         loaded = load_model(path)
-        loaded.filtration_.concepts_at(0.5, 1)
+        loaded.filtration_.groups_at(0.5, 1)
         loaded.save(path)
 
 
@@ -314,7 +318,8 @@ def test_wrong_parameters(sound, path, value):
         if not isinstance(parameters, dict):
             continue
         for name in parameters:
-            if (name == "leave_own_out" and value is True) or (name == "n_neighbours" and value is None):
+            may_be_none = name in ("n_neighbours", "granularity") and value is None
+            if (name == "leave_own_out" and value is True) or may_be_none:
                 continue
             message = refusal(forge(sound, path, put_parameter(stage, name, value)))
             assert name in message or (name == "type" and stage in message)
@@ -411,7 +416,7 @@ def test_forged_numbers_are_refused_or_harmless(sound, path):
             assert loaded.transform(objects).shape == (4, len(loaded.concepts_))
         assert loaded.predict(objects).max() < len(loaded.concepts_)
         loaded.explain(objects[3])
-        loaded.filtration_.concepts_at(0.5, 1)
+        loaded.filtration_.groups_at(0.5, 1)
         loaded.filtration_.graph()
         loaded.save(path)
         assert differences(loaded, load_model(path)) == []

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from safetensors.numpy import save_file
 
-from model_file_examples import described_objects, differences, fitted_model, forge, refusal
-from shapeconcepts import load_model
-from shapeconcepts.model_file.layout import FORMAT, OLDEST_FORMAT
+from model_file_examples import fitted_model, forge, refusal
+from shapeconcepts.model_file.layout import FORMAT
 
 
 @pytest.fixture(scope="module")
@@ -215,13 +214,13 @@ def test_an_older_file(sound, path):
     """Such a file has other tensors and fields; what it has does not matter."""
 
     def older(tensors, description):
-        description.update(format=OLDEST_FORMAT - 1, written_by="shapeconcepts 0.1.0")
+        description.update(format=FORMAT - 1, written_by="shapeconcepts 0.1.0")
         tensors["stimuli.motifs"] = tensors.pop("stimuli.sources")
         del description["concept_time"]
 
     message = refusal(forge(sound, path, older))
-    assert f"has format {OLDEST_FORMAT - 1}, written by shapeconcepts 0.1.0, an older version" in message
-    assert f"reads formats {OLDEST_FORMAT} to {FORMAT}; learn the model again" in message
+    assert f"has format {FORMAT - 1}, written by shapeconcepts 0.1.0, an older version" in message
+    assert f"reads format {FORMAT}; learn the model again" in message
 
 
 @pytest.mark.parametrize("version", [0, -1, True, "1", None, 1.0, 10**30])
@@ -243,30 +242,3 @@ def test_flipped_bits(sound, path):
         flipped[position] ^= 1 << source.randrange(8)
         path.write_bytes(flipped)
         refusal(path)
-
-
-@pytest.mark.parametrize("name", ["default", "paper"])
-def test_files_of_format_5_still_answer_as_they_did(name, path):
-    """Written by the version before stages, with the answers that it gave."""
-    files = Path(__file__).parent / "files"
-    loaded = load_model(files / f"format_5_{name}.safetensors")
-    with np.load(files / "format_5_answers.npz") as expected:
-        new = described_objects(2, seed=2)
-        np.testing.assert_allclose(loaded.transform(new), expected[f"{name}_transform"], rtol=1e-9)
-        np.testing.assert_array_equal(loaded.predict(new), expected[f"{name}_predict"])
-        np.testing.assert_array_equal(loaded.labels_, expected[f"{name}_labels"])
-    assert loaded.concepts_[0].name == "rows" and loaded.ensemble_.dictionary_.n_levels == 3
-    if name == "paper":
-        found = (loaded.segmenter_.voxel_size, loaded.segmenter_.max_segments, loaded.descriptor_.radius)
-        assert found == (0.004, 9, 0.04)
-        assert (loaded.filtration_.stop, loaded.response_.distance) == ("annexations", "mahalanobis")
-    loaded.save(path)
-    assert differences(loaded, load_model(path)) == []
-
-
-@pytest.mark.parametrize("field", ["parameters", "ensemble_parameters", "response_parameters"])
-@pytest.mark.parametrize("value", [None, [], {"columns": 5}, {"more": 1}])
-def test_damaged_files_of_format_5(field, value, path):
-    source = Path(__file__).parent / "files" / "format_5_default.safetensors"
-    forge(source, path, lambda _, description: description.update({field: value}))
-    refusal(path)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from report_models import HOSTILE, WITHOUT_CONCEPTS, ball, grouped_stimuli, hostile_model, model_of
 from shapeconcepts.report.html import preview, write_report
@@ -157,7 +159,19 @@ def test_time_can_be_pulled(browser, thousand):
     assert "1,000 classes" in said.inner_text()
 
 
-@pytest.mark.parametrize("heat", ["separation", "geodesic"])
+def classes_on_the_page(model, time):
+    """Class of each vertex: between concepts nothing enters there."""
+    filtration = model.filtration_
+    a, b = filtration.edges_.T
+    kept = filtration.times_ <= time
+    if filtration.stop == "persistence":
+        labels = filtration.labels_[np.argsort(filtration.space_.vertices_)]
+        kept &= labels[a] == labels[b]
+    n = len(filtration.space_.multiplicities_)
+    return connected_components(coo_matrix((np.ones(kept.sum()), (a[kept], b[kept])), (n, n)))[1]
+
+
+@pytest.mark.parametrize("heat", ["divergence", "geodesic"])
 def test_the_slider_runs_along_the_axis(browser, tmp_path, heat):
     rows, labels = grouped_stimuli(60, 4)
     model = model_of(rows, labels, heat=heat)
@@ -169,18 +183,19 @@ def test_the_slider_runs_along_the_axis(browser, tmp_path, heat):
         time = float(scale.times(np.array(at)))
         slider.fill(str(at))
         reader.settle()
-        shown = f"{time:.2f}" if heat == "geodesic" else f"{time:.2g}"
-        n_classes = len(model.filtration_.concepts_at(time, 1))
+        is_short = heat == "divergence" and time < 0.1
+        shown = f"{time:.2g}" if is_short else f"{time:.2f}" if heat == "geodesic" else f"{time:.3f}"
+        n_classes = len(np.unique(classes_on_the_page(model, time)))
         assert said.inner_text().startswith(f"time {shown}")
         assert f": {n_classes} class" in said.inner_text()
-    reader.page.get_by_role("button", name="to the concepts").click()
+    name = "to the concepts" if heat == "divergence" else "to ε_max"
+    reader.page.get_by_role("button", name=name).click()
     reader.settle()
+    concept_time = 1.0 if heat == "divergence" else model.filtration_.concept_time_
     assert float(slider.input_value()) == pytest.approx(
-        float(scale.positions(np.array(model.filtration_.concept_time_))), abs=1e-3
+        float(scale.positions(np.array(concept_time))), abs=1e-3
     )
-    assert (
-        f": {len(model.filtration_.concepts_at(model.filtration_.concept_time_, 1))} cl" in said.inner_text()
-    )
+    assert f": {len(np.unique(classes_on_the_page(model, concept_time)))} cl" in said.inner_text()
     # Pulled in the figure, the same place is the same time.
     canvas = reader.page.locator("canvas.timeline")
     canvas.scroll_into_view_if_needed()
@@ -190,8 +205,10 @@ def test_the_slider_runs_along_the_axis(browser, tmp_path, heat):
     assert float(slider.input_value()) == pytest.approx(0.5, abs=0.01)
 
 
-@pytest.mark.parametrize("heat", ["separation", "geodesic"])
-@pytest.mark.parametrize("stop", ["refusal", "annexations"])
+@pytest.mark.parametrize(
+    ("heat", "stop"),
+    [("divergence", "persistence"), ("divergence", "annexations"), ("geodesic", "annexations")],
+)
 def test_a_page_says_how_its_time_was_chosen(browser, tmp_path, heat, stop):
     rows, labels = grouped_stimuli(60, 4)
     model = model_of(rows, labels, heat=heat, stop=stop)
@@ -199,14 +216,15 @@ def test_a_page_says_how_its_time_was_chosen(browser, tmp_path, heat, stop):
     reader = Reader(browser, tmp_path / "r.html")
     told = reader.page.evaluate("document.body.innerHTML.split('<script')[0]")
     assert ("ε_max" in told) == ("busiest step" in told) == (stop == "annexations")
-    assert ("left in the end" in told) == ("refuse" in told) == (stop == "refusal")
+    assert ("two concepts if there is a gap" in told) == (stop == "persistence")
+    assert ("stay apart; what is left at time 1" in told) == (stop == "persistence")
     assert ("hot middle" in told) == (heat == "geodesic")
-    assert ("logarithmic" in told) == (heat == "separation")
+    assert ("that of odds" in told) == (heat == "divergence")
     assert ("joins early" in told) is False
     reader.page.locator("input[value=heat]").check()
     reader.settle()
     key = reader.page.locator("fieldset").inner_text()
-    assert ("stands apart" in key) == (heat == "separation")
+    assert ("stands apart" in key) == (heat == "divergence")
     assert reader.complaints == []
 
 

@@ -61,9 +61,9 @@ def test_no_edges(n):
     assert np.array_equal(lay_out_filtration(none, np.empty(0), n), np.zeros((n, 2)))
 
 
-@pytest.mark.parametrize("heat", ["separation", "geodesic"])
+@pytest.mark.parametrize("heat", ["divergence", "geodesic"])
 def test_f_runs_inwards_in_time(heat):
-    filtration = model_of(grouped_stimuli(80, 5)[0], heat=heat).filtration_
+    filtration = model_of(grouped_stimuli(80, 5)[0], heat=heat, stop="annexations").filtration_
     death_radii = TimeScale.of(filtration).radii(filtration.times_)
     assert np.all(np.diff(death_radii) <= 0) and death_radii.max() <= 1 and death_radii.min() >= 0.06 - 1e-12
     places = lay_out_filtration(filtration.annexations_, death_radii, 80)
@@ -71,11 +71,12 @@ def test_f_runs_inwards_in_time(heat):
     dying, surviving = filtration.annexations_.T
     assert np.allclose(radii[dying], death_radii)
     is_left = np.isinf(filtration.diagram()[:, 1])
-    assert is_left.sum() > 1 and np.allclose(radii[is_left], 0.6 * death_radii.min())
     # A single class that is left is in the middle.
-    single = model_of(grouped_stimuli(80, 5)[0], heat=heat, stop="annexations").filtration_
-    places_of_single = lay_out_filtration(single.annexations_, TimeScale.of(single).radii(single.times_), 80)
-    assert np.allclose(places_of_single[single.annexations_[-1, 1]], 0)
+    assert is_left.sum() == 1 and np.allclose(places[filtration.annexations_[-1, 1]], 0)
+    several = lay_out_filtration(filtration.annexations_[:-3], death_radii[:-3], 80)
+    left = np.setdiff1d(np.arange(80), filtration.annexations_[:-3, 0])
+    assert len(left) == 4
+    assert np.allclose(np.linalg.norm(several[left], axis=1), 0.6 * death_radii[:-3].min())
     assert np.all(radii[dying] >= radii[surviving] - 1e-12)
     outer = places[radii > 0.2]
     apart = np.linalg.norm(outer[:, None] - outer[None], axis=2)[~np.eye(len(outer), dtype=bool)]

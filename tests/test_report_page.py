@@ -81,7 +81,7 @@ def test_contents_say_what_the_model_learned(tmp_path):
     assert scores == sorted(scores, reverse=True)
     assert contents["scans"]["vertices"][7] == -1
     assert contents["scans"]["previews"][5] is None and len(contents["scans"]["previews"][0]) <= 160
-    assert contents["filtration"]["conceptTime"] == model.filtration_.concept_time_
+    assert contents["filtration"]["conceptTime"] == 1.0
     assert sum(contents["filtration"]["stepCounts"]) == len(contents["filtration"]["edges"])
 
 

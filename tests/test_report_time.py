@@ -10,24 +10,27 @@ from shapeconcepts.report.html.contents import report_contents
 from shapeconcepts.report.html.time_scale import N_STEPS, TimeScale, annexation_counts
 
 
-@given(st.floats(1e-9, 0.9), st.lists(st.floats(0, 1), min_size=2, max_size=20))
-def test_equal_ratios_are_equally_far_apart(start, positions):
-    scale = TimeScale(start)
+@given(st.floats(1e-9, 0.4), st.floats(0.6, 0.9999), st.lists(st.floats(0, 0.999), min_size=2, max_size=20))
+def test_equal_ratios_of_odds_are_equally_far_apart(first, last, positions):
+    scale = TimeScale((first, last))
     at = np.sort(positions)
     times = scale.times(at)
-    assert np.allclose(times[1:] / times[:-1], (1 / start) ** np.diff(at), rtol=1e-6)
+    odds = times / (1 - times)
+    span = last / (1 - last) / (first / (1 - first))
+    assert np.allclose(odds[1:] / odds[:-1], span ** np.diff(at), rtol=1e-6)
     assert np.allclose(scale.positions(times), at)
-    assert scale.positions(np.array([0.0, start / 2, 1.0])).tolist() == pytest.approx([0, 0, 1])
+    assert scale.positions(np.array([0.0, first / 2, last, 1.0])).tolist() == pytest.approx([0, 0, 1, 1])
+    assert scale.times(np.array([1.0])).tolist() == [1.0]
 
 
 def test_a_linear_axis_is_time_itself():
     times = np.linspace(0, 1, 7)
     scale = TimeScale.of(model_of(grouped_stimuli(30, 3)[0], heat="geodesic").filtration_)
-    assert scale.start is None
+    assert scale.ends is None
     assert np.array_equal(scale.positions(times), times) and np.array_equal(scale.times(times), times)
 
 
-def test_most_of_a_logarithmic_axis_is_used_whatever_near_duplicates_there_are():
+def test_most_of_an_axis_of_odds_is_used_whatever_near_duplicates_there_are():
     rows = grouped_stimuli(60, 4)[0]
     rows[1] = rows[0] * (1 + 1e-9 * np.arange(30))
     filtration = model_of(rows).filtration_
@@ -38,8 +41,10 @@ def test_most_of_a_logarithmic_axis_is_used_whatever_near_duplicates_there_are()
     assert 0.2 < np.median(positions) < 0.8
 
 
-@pytest.mark.parametrize("heat", ["separation", "geodesic"])
-@pytest.mark.parametrize("stop", ["refusal", "annexations"])
+@pytest.mark.parametrize(
+    ("heat", "stop"),
+    [("divergence", "persistence"), ("divergence", "annexations"), ("geodesic", "annexations")],
+)
 def test_annexations_per_step(heat, stop):
     filtration = model_of(grouped_stimuli(80, 5)[0], heat=heat, stop=stop).filtration_
     ends, counts = annexation_counts(filtration, TimeScale.of(filtration))
@@ -47,10 +52,11 @@ def test_annexations_per_step(heat, stop):
     for end in ends:
         slow.append(sum(start + 1e-9 < time <= end + 1e-9 for time in filtration.times_))
         start = end
-    assert counts == slow and sum(counts) == 79 - len(filtration.refused_times_) and ends[-1] == 1
-    if heat == "separation" and stop == "refusal":
+    assert counts == slow and sum(counts) == 79 and ends[-1] == 1
+    if stop == "persistence":
         assert len(ends) == N_STEPS
-        assert np.allclose(np.diff(np.log(ends)), np.log(ends[1] / ends[0]))
+        odds = np.log(np.array(ends[:-1]) / (1 - np.array(ends[:-1])))
+        assert np.allclose(np.diff(odds), odds[1] - odds[0])
     else:
         assert ends == filtration.annexations()[0].tolist()
 
@@ -59,8 +65,8 @@ def test_annexations_per_step(heat, stop):
 def test_an_axis_for_every_filtration(kind):
     model = model_of(WITHOUT_CONCEPTS[kind])
     contents = report_contents(model, [None] * len(WITHOUT_CONCEPTS[kind]), [], "")["filtration"]
-    assert contents["axisStart"] is None or 0 < contents["axisStart"] < 1
-    assert sum(contents["stepCounts"]) == len(contents["edges"])
+    assert contents["axisEnds"] is None or 0 < contents["axisEnds"][0] < contents["axisEnds"][1] < 1
+    assert sum(contents["stepCounts"]) == len(contents["edges"]) + len(contents["edgesBetween"])
     assert all(0 <= heat <= 1 for heat in contents["heat"])
 
 
@@ -74,5 +80,7 @@ def test_a_scan_is_the_hotter_the_later_it_has_a_neighbour():
     by_heat = np.argsort(contents["heat"], kind="stable")
     assert np.all(np.diff(np.array(first)[by_heat]) > -1e-3)
     assert min(contents["heat"]) == 0 and max(contents["heat"]) == 1
-    assert contents["refusedEdges"] == filtration.refused_edges_.tolist() != []
-    assert contents["refusedTimes"] == filtration.refused_times_.tolist()
+    labels = filtration.labels_[np.argsort(filtration.space_.vertices_)]
+    between = [edge for edge in filtration.edges_.tolist() if labels[edge[0]] != labels[edge[1]]]
+    assert contents["edgesBetween"] == between and len(between) == len(filtration.concepts_) - 1 > 0
+    assert len(contents["edges"]) + len(between) == 49

@@ -2,7 +2,7 @@
 
 from fractions import Fraction
 from itertools import combinations
-from math import ceil, sqrt
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
@@ -107,25 +107,32 @@ def components(edges: list[tuple[int, int]], n: int) -> list[set[int]]:
     return sorted({id(one): one for one in group.values()}.values(), key=min)
 
 
-def slow_separations(
-    edges: list[tuple[int, int]], lengths: list[float], counts: list[int]
-) -> tuple[list[int], list[float]]:
-    """Edges as they enter and the separations of their classes, all of them anew before each annexation."""
-    group = {vertex: {vertex} for vertex in range(len(counts))}
-    left, order, separations = set(range(len(edges))), [], []
+def slow_mean_divergences(
+    edges: list[tuple[int, int]], divergences: np.ndarray, counts: list[int]
+) -> tuple[list[int], list[Fraction]]:
+    """Edges as they enter and mean divergences of their classes, all of them anew before each annexation.
 
-    def separation(e: int) -> float:
-        a, b = (sum(counts[v] for v in group[end]) for end in edges[e])
-        return lengths[e] * sqrt(a * b / (a + b))
+    A class joins no earlier than its parts did.
+    """
+    exact = [[Fraction(float(d)) for d in row] for row in divergences.astype(np.float32)]
+    group = {vertex: {vertex} for vertex in range(len(counts))}
+    height = dict.fromkeys(range(len(counts)), Fraction(0))
+    left, order, heights = set(range(len(edges))), [], []
+
+    def mean(e: int) -> Fraction:
+        pairs = [(a, b, counts[a] * counts[b]) for a in group[edges[e][0]] for b in group[edges[e][1]]]
+        return sum(w * exact[a][b] for a, b, w in pairs) / sum(w for *_, w in pairs)
 
     while left:
-        least, e = min((separation(e), e) for e in left)
+        least, e = min((mean(e), e) for e in left)
         left.remove(e)
         order.append(e)
-        separations.append(least)
+        heights.append(max(least, *(height[min(group[end])] for end in edges[e])))
         joined = group[edges[e][0]] | group[edges[e][1]]
         group.update(dict.fromkeys(joined, joined))
-    return order, separations
+        height[min(joined)] = heights[-1]
+    by_height = sorted(range(len(edges)), key=lambda k: heights[k])
+    return [order[k] for k in by_height], [heights[k] for k in by_height]
 
 
 def slow_filtration(
@@ -133,17 +140,19 @@ def slow_filtration(
     counts: list[int],
     min_size: int,
     max_steps: int,
-    lengths: list[float] | None = None,
+    divergences: np.ndarray | None = None,
 ) -> SlowFiltration:
-    """By separation where there are lengths, else by geodesic heat; edges must be sorted pairs."""
-    if lengths is None:
+    """By mean divergence where there are divergences, else by geodesic heat; edges must be sorted pairs."""
+    if divergences is None:
         _, heat = slow_heat(edges, counts)
         weights = [(heat[a] + heat[b]) / 2 for a, b in edges]
         order = sorted(range(len(edges)), key=lambda e: (weights[e], e))
     else:
-        order, separations = slow_separations(edges, lengths, counts)
-        weights = [Fraction(separations[order.index(e)]) for e in range(len(edges))]
-    if len(set(weights)) <= 1:
+        order, heights = slow_mean_divergences(edges, divergences, counts)
+        weights = [heights[order.index(e)] for e in range(len(edges))]
+    if divergences is not None:
+        time_of = dict(zip(edges, weights, strict=True))
+    elif len(set(weights)) <= 1:
         time_of = dict.fromkeys(edges, Fraction(1))
     else:
         low, high, step = min(weights), max(weights), min(w for w in weights if w > 0)
@@ -173,88 +182,3 @@ def slow_filtration(
         if count and sum(s >= min_size for s in sizes) >= 2 and 2 * max(sizes) <= sum(counts):
             open_steps.append((-count, end))
     return SlowFiltration(edges, times, annexations, per_step, min(open_steps)[1] if open_steps else None)
-
-
-def slow_neighbours(divergences: np.ndarray, counts: list[int], n_neighbours: int) -> list[set[int]]:
-    """Vertices nearest to each vertex, as many as it takes for so many objects beside one of its own."""
-    neighbours = []
-    for vertex, to_others in enumerate(divergences):
-        found, n_objects = set(), counts[vertex] - 1
-        for divergence, other in sorted((round(d, 12), k) for k, d in enumerate(to_others) if k != vertex):
-            if n_objects < n_neighbours and divergence < 1:
-                found.add(other)
-                n_objects += counts[other]
-        neighbours.append(found)
-    return neighbours
-
-
-def slow_settled(
-    concepts: list[int],
-    divergences: np.ndarray,
-    counts: list[int],
-    n_neighbours: int,
-    min_size: int,
-    n_nearest: int,
-) -> list[int]:
-    """Concept of each vertex after all objects have settled, object by object; -1 for none."""
-    near = slow_neighbours(divergences, counts, n_neighbours)
-    for _ in range(50):
-        members = {c: sum(n for n, own in zip(counts, concepts, strict=True) if own == c) for c in concepts}
-        concepts = [c if c >= 0 and members[c] >= min_size else -1 for c in concepts]
-        moved = []
-        for vertex, own in enumerate(concepts):
-            to_near = sorted((divergences[vertex, other], other) for other in near[vertex])
-            copies = [(0.0, own)] * (counts[vertex] - 1)
-            seen = copies + [(d, concepts[other]) for d, other in to_near for _ in range(counts[other])]
-            farthest = to_near[-1][0] if to_near else 0.0
-            means = []
-            for concept in sorted(set(concepts) - {-1}):
-                distances = [d for d, c in seen if c == concept][:n_nearest]
-                wanted = min(members[concept] - (concept == own), n_nearest)
-                if distances:
-                    distances += [farthest] * (wanted - len(distances))
-                    means.append((round(sum(distances) / wanted, 10), concept != own, concept))
-            moved.append(min(means)[2] if means else own)
-        if moved == concepts:
-            break
-        concepts = moved
-    members = {c: sum(n for n, own in zip(counts, concepts, strict=True) if own == c) for c in concepts}
-    return [c if c >= 0 and members[c] >= min_size else -1 for c in concepts]
-
-
-def slow_mixing(
-    one: set[int], other: set[int], neighbours: list[set[int]], counts: list[int], n_neighbours: int
-) -> Fraction:
-    """Over all pairs of objects, each way."""
-    pairs = [(a, b, counts[a] * counts[b]) for a in one for b in other]
-    links = sum(weight * ((b in neighbours[a]) + (a in neighbours[b])) for a, b, weight in pairs)
-    share = Fraction(links, 2 * sum(weight for _, _, weight in pairs))
-    size = sum(counts[vertex] for vertex in one | other)
-    return share / min(Fraction(1), Fraction(n_neighbours, size - 1))
-
-
-def slow_neighbourhood_size(n_objects: int, per_root: float = 3) -> int:
-    return max(min(max(round(per_root * sqrt(n_objects)), 36), n_objects // 2), 1)
-
-
-def slow_refusals(
-    edges: list[tuple[int, int]],
-    divergences: np.ndarray,
-    counts: list[int],
-    min_size: int,
-    least_mixing: Fraction,
-) -> list[bool]:
-    """Edges in the order in which they enter."""
-    n_neighbours = slow_neighbourhood_size(sum(counts))
-    neighbours = slow_neighbours(divergences, counts, n_neighbours)
-    group = {vertex: {vertex} for vertex in range(len(counts))}
-    refused = []
-    for a, b in edges:
-        smaller = min(sum(counts[v] for v in group[end]) for end in (a, b))
-        is_small = smaller < min_size or smaller < n_neighbours / 16
-        mixing = slow_mixing(group[a], group[b], neighbours, counts, n_neighbours)
-        refused.append(divergences[a, b] > 1 - 1e-12 or (not is_small and mixing < least_mixing))
-        if not refused[-1]:
-            joined = group[a] | group[b]
-            group.update(dict.fromkeys(joined, joined))
-    return refused

@@ -15,9 +15,8 @@ from sklearn.base import BaseEstimator, ClusterMixin, TransformerMixin, clone
 from sklearn.utils._param_validation import HasMethods
 from sklearn.utils.validation import check_is_fitted
 
-from shapeconcepts.concepts import Concept, ConceptResponse, Filtration
+from shapeconcepts.concepts import Concept, ConceptResponse, ConceptTree, Filtration
 from shapeconcepts.descriptors import (
-    DescribedObject,
     Descriptor,
     describe_scan,
     describe_scans,
@@ -27,6 +26,7 @@ from shapeconcepts.descriptors.registry import DEFAULT, DESCRIPTORS
 from shapeconcepts.model_file import ModelState, read_state, write_state
 from shapeconcepts.model_file.layout import STAGES
 from shapeconcepts.motifs import Explanation, MotifHierarchyEnsemble
+from shapeconcepts.motifs.stimuli import with_empty_rows
 from shapeconcepts.parameters import StagesMixin, check_parameters, choice
 from shapeconcepts.scan import ScanError
 from shapeconcepts.segmentation import SegmentedObject, Segmenter
@@ -58,13 +58,14 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         Concept of each training scan, -1 where it is in none.
     concepts_ : list of Concept
         Largest first. Their `name` can be set, and is saved with the model.
+    concept_tree_ : ConceptTree or None
+        All groups that significant splits leave apart, coarse to fine; None where a time makes concepts.
     stimuli_ : (n, n_motifs) csr_matrix of float64
         Stimuli of the training scans; the row of a skipped scan is empty.
     segmenter_, descriptor_, ensemble_, filtration_, response_
         The stages as they were fitted.
-    scan_names_ : list of str
-    scan_labels_ : list of (str or None)
-        Labels that came with the training scans. Nothing is learned from them.
+    scan_names_, scan_labels_ : list of str, list of (str or None)
+        Labels are those that came with the training scans. Nothing is learned from them.
     skipped_ : dict of int to str
         Training scans that could not be described, with the reason.
     n_features_in_ : int
@@ -178,7 +179,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         described, skipped = describe_scans(scans, segmenter, descriptor, self.n_jobs)
 
         ensemble.set_params(n_jobs=self.n_jobs).fit([one for one in described if one])
-        stimuli = _spread(ensemble.stimuli_, described)
+        stimuli = with_empty_rows(ensemble.stimuli_, described)
         filtration.fit(stimuli)
         response.fit(stimuli, filtration.labels_)
 
@@ -212,7 +213,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         self.ensemble_.n_jobs = self.n_jobs
         rows = self.ensemble_.transform([one for one in described if one])
         # scikit-learn can be told that it shall be a data frame.
-        return _spread(csr_matrix(rows), described)
+        return with_empty_rows(csr_matrix(rows), described)
 
     def transform(self, X: Iterable[object]) -> NDArray[np.float64]:
         """Responses of the concepts to scans (paper: equation 3); smaller is more alike.
@@ -238,8 +239,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         ScanWarning
             If a scan cannot be described.
         """
-        stimuli = self.stimuli(X)
-        return self.response_.transform(stimuli)
+        return self.response_.transform(self.stimuli(X))
 
     def predict(self, X: Iterable[object]) -> NDArray[np.int64]:
         """Concept whose nearest training scans are nearest on average, -1 for a scan unlike all.
@@ -251,8 +251,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         (m,) int64
             Position in `concepts_`, or -1.
         """
-        stimuli = self.stimuli(X)
-        return self.response_.predict(stimuli)
+        return self.response_.predict(self.stimuli(X))
 
     def explain(self, scan: object) -> Explanation:
         """Which motifs a scan fires, how strongly, and which training scans they come from.
@@ -276,6 +275,20 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
             counts = Counter(names)
             names = [name if counts[name] == 1 else f"{name} ({i})" for i, name in enumerate(names)]
         return np.array(names, dtype=object)
+
+    def concepts_at(self, granularity: float) -> list[Concept]:
+        """Concepts at another granularity; see `Filtration.concepts_at`."""
+        check_is_fitted(self, "response_")
+        return self.filtration_.concepts_at(granularity)
+
+    def at_granularity(self, granularity: float) -> ShapeConceptModel:
+        """This model with its concepts taken at another granularity; only responses are learned again."""
+        check_is_fitted(self, "response_")
+        filtration = self.filtration_.at_granularity(granularity)
+        response = clone(self.response_).fit(self.stimuli_, filtration.labels_)
+        state = {name: getattr(self, f"{name}_") for name in ModelState._fields}
+        state.update(filtration=filtration, response=response)
+        return ShapeConceptModel(**self.get_params(deep=False))._remember(ModelState(**state))
 
     def segment(self, scan: object) -> SegmentedObject:
         """Segments of a scan, cut as by this model; see `Segmenter.segment`."""
@@ -305,6 +318,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         for name, value in state._asdict().items():
             setattr(self, f"{name}_", value)
         self.concepts_: list[Concept] = state.filtration.concepts_
+        self.concept_tree_: ConceptTree | None = getattr(state.filtration, "concept_tree_", None)
         self.labels_: NDArray[np.int32] = state.filtration.labels_.copy()
         self.n_features_in_ = 3
         return self
@@ -333,11 +347,3 @@ def load_model(path: str | PathLike[str]) -> ShapeConceptModel:
     stages: Any = {name: getattr(state, name) for name in STAGES}
     model = ShapeConceptModel(**{name: clone(stage, safe=False) for name, stage in stages.items()})
     return model._remember(state)
-
-
-def _spread(rows: csr_matrix, described: list[DescribedObject | None]) -> csr_matrix:
-    """Put an empty row where there is no object."""
-    lengths = np.zeros(len(described), np.int64)
-    lengths[[i for i, one in enumerate(described) if one]] = np.diff(rows.indptr)
-    indptr = np.concatenate([[0], np.cumsum(lengths)])
-    return csr_matrix((rows.data, rows.indices, indptr), shape=(len(described), rows.shape[1]))

@@ -130,3 +130,10 @@ def check_integer(name: str, value: object, smallest: int) -> int:
     if isinstance(value, bool) or not isinstance(value, Integral) or value < smallest:
         raise ValueError(f"{name} must be an integer of at least {smallest}, got {value!r}")
     return int(value)
+
+
+def check_share(name: str, value: object) -> float:
+    """Return a number from 0 to 1, or raise a ValueError that names the argument."""
+    if isinstance(value, bool) or not isinstance(value, Real) or not 0 <= float(value) <= 1:
+        raise ValueError(f"{name} must be a number from 0 to 1, got {value!r}")
+    return float(value)

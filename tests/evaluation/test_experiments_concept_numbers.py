@@ -63,7 +63,7 @@ def test_time_of_a_number_is_the_latest(seed: int, n_objects: int, min_size: int
         assert time is not None
         assert of_graph[time] <= number
         assert all(other < number for later, other in of_graph.items() if later > time)
-        assert len(filtered.concepts_at(time, min_size)) == of_graph[time]
+        assert len(filtered.groups_at(time, min_size)) == of_graph[time]
 
 
 def test_a_number_that_is_skipped_gives_the_time_after_it() -> None:

@@ -64,17 +64,17 @@ def test_surfaces_are_those_of_concepts_at_a_time(preset: str) -> None:
     fitted, left_out = stratified_folds(labels, 4, 0)[0]
     found = fold_surfaces(described, labels, (fitted, left_out), preset, NUMBERS, SIZES)
     model = shapeconcepts.ShapeConceptModel.preset(preset).fit([described[i] for i in fitted])
-    filtration = model.filtration_.without_refusals()
+    filtration = model.filtration_
     times = np.unique(filtration.times_)
     seen = 0
     for i, number in enumerate(NUMBERS):
         for j, size in enumerate(SIZES):
-            exact = [t for t in times if len(filtration.concepts_at(t, size)) == number]
+            exact = [t for t in times if len(filtration.groups_at(t, size)) == number]
             if not exact:
                 continue
             seen += 1
             concept_of = np.full(len(fitted), -1)
-            for k, concept in enumerate(filtration.concepts_at(exact[-1], size)):
+            for k, concept in enumerate(filtration.groups_at(exact[-1], size)):
                 concept_of[concept.members] = k
             scores = grouping_scores(concept_of, labels[fitted])
             response = ConceptResponse(model.response_.distance).fit(model.stimuli_, concept_of)

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 UNKNOWN = "unknown"
 _LABELS_SHOWN = 4
+_CUTS_SHOWN = 3
 
 
 def concept_summaries(model: ShapeConceptModel) -> list[dict[str, Any]]:
@@ -42,6 +43,7 @@ def model_summary(model: ShapeConceptModel) -> dict[str, Any]:
     return {
         "n_scans": len(model.scan_names_),
         "n_motifs": model.stimuli_.shape[1],
+        "granularity": model.filtration_.granularity_,
         "concept_time": model.filtration_.concept_time_,
         "epsilon_max": model.filtration_.epsilon_max_,
         "parameters": _parameters(model),
@@ -95,6 +97,20 @@ def in_words(model: ShapeConceptModel) -> str:
         return f"{n_scans} scans, no concept"
     concepts = "1 concept" if n_concepts == 1 else f"{n_concepts} concepts"
     return f"{concepts} with {n_in} of {n_scans} scans ({n_in / n_scans:.0%})"
+
+
+def other_cuts_in_words(model: ShapeConceptModel) -> str:
+    """Numbers of concepts at coarser and finer granularities, as a sentence; empty where there are none."""
+    granularity, tree = model.filtration_.granularity_, model.concept_tree_
+    if granularity is None or tree is None:
+        return ""
+    # Just beyond each place where the cut changes.
+    changes = [round(1.01 * change, 3) for change in tree.granularities.tolist()]
+    numbers = {g: len(model.concepts_at(g)) for g in changes if g <= 1}
+    coarser = [f"{n} at {g:g}" for g, n in numbers.items() if 1 < n < len(model.concepts_)]
+    finer = [f"{n} at {g:g}" for g, n in numbers.items() if n > len(model.concepts_)]
+    shown = coarser[-_CUTS_SHOWN:] + finer[:_CUTS_SHOWN]
+    return f"Granularity {granularity:.3f}" + (f"; other cuts: {', '.join(shown)}" if shown else "")
 
 
 def concept_title(model: ShapeConceptModel, number: int) -> str:

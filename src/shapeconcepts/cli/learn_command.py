@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import typer
 
-from shapeconcepts.cli.concept_summary import in_words, model_summary, print_concepts
+from shapeconcepts.cli.concept_summary import in_words, model_summary, other_cuts_in_words, print_concepts
 from shapeconcepts.cli.model_input import one_thread
 from shapeconcepts.cli.object_reader import (
     ObjectReader,
@@ -18,6 +18,7 @@ from shapeconcepts.cli.object_reader import (
 )
 from shapeconcepts.cli.options import (
     DepthScale,
+    Granularity,
     Intrinsics,
     Jobs,
     Json,
@@ -105,6 +106,7 @@ def learn(
             help="Levels of the dictionary; n has 2^n words.",
         ),
     ] = None,
+    granularity: Granularity = None,
     voxel_size: VoxelSize = None,
     scenes: Scenes = None,
     intrinsics: Intrinsics = None,
@@ -139,6 +141,10 @@ def learn(
         check_writable(report, "--report")
         if is_same_file(report, model):
             raise typer.BadParameter("must be another file than --model", param_hint="--report")
+    if granularity is not None and preset == "paper":
+        raise typer.BadParameter(
+            "is not for the preset paper, which takes concepts at a time", param_hint="--granularity"
+        )
     reading = read_options(intrinsics, depth_scale, mask)
     sources: list[ScanFile | SimulatedObject] = [*scan_files(data, mask)] if data else simulated_objects()
     learner = _learner(preset)
@@ -148,6 +154,7 @@ def learn(
             "--min-size": ("filtration__min_concept_size", min_size),
             "--descriptor": ("descriptor", descriptor),
             "--levels": ("ensemble__dictionary__n_levels", levels),
+            "--granularity": ("filtration__granularity", granularity),
             "--voxel-size": ("segmenter__voxel_size", voxel_size),
         },
     )
@@ -171,6 +178,8 @@ def learn(
     else:
         print_concepts(learner)
     say(f"Learned {in_words(learner)}")
+    if others := other_cuts_in_words(learner):
+        say(others)
     say_skipped(collection.skipped, len(collection.described) + len(collection.skipped))
     say_skipped(collection.undrawn, len(collection.described), "Could not draw")
     for path in filter(None, (model, report)):

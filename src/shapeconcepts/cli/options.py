@@ -72,6 +72,17 @@ ModelFile = Annotated[
 ]
 
 
+Granularity = Annotated[
+    float | None,
+    typer.Option(
+        metavar="SHARE",
+        help="Two groups of scans are two concepts if they have on average less than this in common, from 0 "
+        "(coarse) to 1 (fine).",
+        show_default=False,
+    ),
+]
+
+
 def check_jobs(jobs: int) -> None:
     """Complain about a number of jobs that means nothing."""
     if jobs == 0:

@@ -14,6 +14,7 @@ from shapeconcepts.cli.model_input import object_reader, one_thread, read_model
 from shapeconcepts.cli.object_reader import ReadObject, read_objects
 from shapeconcepts.cli.options import (
     DepthScale,
+    Granularity,
     Intrinsics,
     Jobs,
     Mask,
@@ -56,6 +57,7 @@ def respond(
         Path | None,
         typer.Option(metavar="FILE", help="Write there, at the end, instead of to the terminal."),
     ] = None,
+    granularity: Granularity = None,
     scenes: Scenes = None,
     intrinsics: Intrinsics = None,
     depth_scale: DepthScale = 0.001,
@@ -80,6 +82,11 @@ def respond(
     reading = read_options(intrinsics, depth_scale, mask)
     files = scan_files(scans, mask)
     learned = read_model(model)
+    if granularity is not None:
+        try:
+            learned = learned.at_granularity(granularity)
+        except ValueError as error:
+            raise typer.BadParameter(str(error), param_hint="--granularity") from None
     reader = object_reader(learned, reading, scenes)
     writer = response_writer(form, learned, output)
     skipped: list[tuple[str, str]] = []

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,6 +37,30 @@ def concepts_of_groups(
         Concept(members[starts[k] : starts[k + 1]], medoid, float(births[k]), float(deaths[k]))
         for k, medoid in zip(chosen.tolist(), medoids.tolist(), strict=True)
     ]
+
+
+def concepts_of_members(
+    space: TopologicalSpace,
+    members: Sequence[NDArray[np.int64]],
+    births: NDArray[np.float64],
+    deaths: NDArray[np.float64],
+) -> list[Concept]:
+    """Concepts of groups that are given by their objects; all objects at one place are in the same group.
+
+    Parameters
+    ----------
+    space : TopologicalSpace
+        Fitted.
+    members : sequence of (k,) int64
+        Objects of each group, at least one.
+    births, deaths : (n_groups,) float64
+    """
+    of_vertex = np.full(len(space.multiplicities_), -1, np.int32)
+    of_object = np.full(len(space.vertices_), -1, np.int32)
+    for group, objects in enumerate(members):
+        of_object[objects] = of_vertex[space.vertices_[objects]] = group
+    groups = Groups(len(members), of_vertex, of_object)
+    return concepts_of_groups(space, groups, np.arange(len(members)), births, deaths)
 
 
 def _medoids(

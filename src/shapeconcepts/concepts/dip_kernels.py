@@ -15,15 +15,15 @@ def dip(values: NDArray[np.float64]) -> float:
     """Hartigan's dip: smallest distance of the empirical distribution function to a unimodal one.
 
     A unimodal distribution function is convex up to its mode and concave behind it; at the mode it may jump.
-    The mode is known to lie in an interval that starts with all values. Within it, the empirical distribution
-    function has a greatest convex minorant and a least concave majorant. Where these are farther apart than
-    twice the distance known so far, no unimodal function so near can have its mode beyond the next contact of
-    the other one, so the interval shrinks to there. What it leaves is on one side of the mode for good, and the
-    distance to the minorant on the left, the majorant on the right, is a lower bound. Where the two are near
-    enough, a straight line fits between them, and the bound is reached.
+    The mode is known to lie in an interval, at first that of all values. Within it, the empirical
+    distribution function has a greatest convex minorant and a least concave majorant. Where they are farther
+    apart than twice the distance known so far, no unimodal function so near has its mode farther off than the
+    next contact of the other one, so the interval shrinks to there. What it leaves is on one side of the mode
+    for good, and the distance to the minorant on the left, to the majorant on the right, is a lower bound.
+    Where the two are near enough, a straight line fits between them, and the bound is reached.
 
-    Each shrinking takes time linear in the interval, and there are few; see J. A. Hartigan and P. M. Hartigan,
-    The dip test of unimodality, Annals of Statistics 13, 1985.
+    Each shrinking takes time linear in the interval, and there are few. See J. A. Hartigan and P. M.
+    Hartigan, The dip test of unimodality, Annals of Statistics 13, 1985.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def dip(values: NDArray[np.float64]) -> float:
     Returns
     -------
     float
-        From 1 / (2 n), which also stands for fewer than two different values, to 1 / 4, or to 1 / 2 if n is 1.
+        From 1 / (2 n), which also stands for fewer than two different values, to 1 / 4; 1 / 2 if n is 1.
     """
     n = len(values)
     places, before, after = steps(values)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import warnings
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -12,21 +13,21 @@ from sklearn.base import BaseEstimator, ClusterMixin
 from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.concepts.concept import Concept
-from shapeconcepts.concepts.concepts_of_groups import concepts_of_groups
-from shapeconcepts.concepts.mixing import refusals
-from shapeconcepts.concepts.settling import settled
+from shapeconcepts.concepts.concept_tree import ConceptTree
+from shapeconcepts.concepts.concepts_of_groups import concepts_of_groups, concepts_of_members
+from shapeconcepts.concepts.significance import significant, split_p_values
 from shapeconcepts.concepts.stopping import most_annexations
 from shapeconcepts.parameters import (
     check_integer,
     check_parameters,
+    check_share,
     choice,
-    positive_number,
     share,
     whole_number,
 )
-from shapeconcepts.topology.annexations import HEATS, Annexations, order_of_edges
+from shapeconcepts.topology.annexations import Annexations, order_by_centrality
 from shapeconcepts.topology.groups import Groups
-from shapeconcepts.topology.neighbourhood import Neighbourhoods
+from shapeconcepts.topology.mean_divergence import mean_divergences
 from shapeconcepts.topology.space import TopologicalSpace
 
 if TYPE_CHECKING:
@@ -36,10 +37,8 @@ if TYPE_CHECKING:
 class Filtration(ClusterMixin, BaseEstimator):
     """Lets the objects of a topological space annex each other along the edges of its tree.
 
-    Edges enter in the order of their heat. Time runs from just above 0, when the first enter, to 1. At each
-    edge the class with fewer members dies (paper: Topological Filtration, Persistent Shape Concept
-    Extraction). An edge between classes that do not mix can be refused: it never enters, and classes are left
-    in the end that never die.
+    Time runs from just above 0, when every object is alone, to 1. At each edge the class with fewer members
+    dies (paper: Topological Filtration, Persistent Shape Concept Extraction).
 
     Parameters
     ----------
@@ -47,22 +46,23 @@ class Filtration(ClusterMixin, BaseEstimator):
         Smallest number of objects of a concept, at least 2.
     max_steps : int
         Largest number of equal steps of time in which annexations are counted, from 1.
-    heat : {"separation", "geodesic"}
-        "separation": an edge is the hotter, the longer it is and the larger the classes are that it holds
-        apart, divergence times sqrt(a b / (a + b)) for a and b objects. "geodesic": the more central it is in
-        the tree (paper: equation 2).
-    stop : {"refusal", "annexations"}
-        What concepts are. "refusal": the classes that are left in the end, as edges between classes that do
-        not mix are refused, see `refusals`; objects at their borders settle, see `settled`. "annexations":
-        those at the time of the most annexations, see `most_annexations` (paper); nothing is refused, and a
-        single class is left in the end.
-    least_mixing : float
-        For "refusal": what mixes less is refused, 0 to 1.
-    neighbours_per_root : float
-        For "refusal": size of the neighbourhoods in which mixing is counted, in square roots of the number of
-        objects; 36 objects at least, half of all at most.
-    n_nearest : int
-        For "refusal": nearest members of a concept that an object at its border is compared with.
+    heat : {"divergence", "geodesic"}
+        When an edge enters. "divergence": at the mean Jensen-Shannon divergence between the two classes that
+        it joins, in bits. "geodesic": the later, the more central it is in the tree (paper: equation 2).
+    stop : {"persistence", "annexations"}
+        What concepts are. "persistence", which needs heat "divergence": groups whose splits are significant,
+        see `significance`, at a granularity. "annexations": the classes at the time of the most annexations,
+        see `most_annexations` (paper).
+    error_rate : float
+        For "persistence": expected share of false ones among the splits that are taken, and where there is
+        only one group the probability that it is split, 0 to 1.
+    granularity : float or None
+        For "persistence": two groups are two concepts if their objects have less than this in common on
+        average, as 1 minus their divergence, 0 (coarse) to 1 (every significant split). None: the cut that
+        persists most, see `ConceptTree.most_persistent_granularity`.
+    max_vertices : int
+        Of more different objects, the nearest are gathered in small classes before mean divergences are
+        taken.
 
     Attributes
     ----------
@@ -70,16 +70,19 @@ class Filtration(ClusterMixin, BaseEstimator):
     times_ : (e,) float64
         Time of each annexation, rising, in (0, 1].
     edges_ : (e, 2) int32
-        Edges of the spanning tree that enter, in the order of their time, as vertices of the space.
-    refused_edges_ : (r, 2) int32
-        The others, in this order, too.
-    refused_times_ : (r,) float64
-        When they would have entered.
+        Edges of the spanning tree in the order of their time, as vertices of the space.
+    p_values_ : (e,) float64
+        Of the split between the classes that each annexation joins, with "persistence"; NaN where one of them
+        is smaller than a concept.
     annexations_ : (e, 2) int32
         Representative of the class that dies, and of the one that it dies into: the edges of the filtration
         graph F.
+    concept_tree_ : ConceptTree
+        With "persistence": all groups that significant splits leave apart, coarse to fine.
+    granularity_ : float or None
+        Where concepts are taken. None for "annexations".
     concept_time_ : float or None
-        The time at which concepts are taken; with "refusal", 1. None where there are none.
+        The same as a time. None where there are no concepts.
     epsilon_max_ : float or None
         The paper's indicator of that time: where annexations are most frequent.
     labels_ : (n,) int32
@@ -91,30 +94,30 @@ class Filtration(ClusterMixin, BaseEstimator):
     _parameter_constraints: ClassVar[dict[str, list[Any]]] = {
         "min_concept_size": [whole_number(2)],
         "max_steps": [whole_number(1)],
-        "heat": [choice(*HEATS)],
-        "stop": [choice("refusal", "annexations")],
-        "least_mixing": [share()],
-        "neighbours_per_root": [positive_number()],
-        "n_nearest": [whole_number(1)],
+        "heat": [choice("divergence", "geodesic")],
+        "stop": [choice("persistence", "annexations")],
+        "error_rate": [share()],
+        "granularity": [share(), None],
+        "max_vertices": [whole_number(2)],
     }
 
     def __init__(
         self,
         min_concept_size: int = 3,
         max_steps: int = 200,
-        heat: str = "separation",
-        stop: str = "refusal",
-        least_mixing: float = 0.8,
-        neighbours_per_root: float = 3.0,
-        n_nearest: int = 10,
+        heat: str = "divergence",
+        stop: str = "persistence",
+        error_rate: float = 0.05,
+        granularity: float | None = None,
+        max_vertices: int = 4096,
     ) -> None:
         self.min_concept_size = min_concept_size
         self.max_steps = max_steps
         self.heat = heat
         self.stop = stop
-        self.least_mixing = least_mixing
-        self.neighbours_per_root = neighbours_per_root
-        self.n_nearest = n_nearest
+        self.error_rate = error_rate
+        self.granularity = granularity
+        self.max_vertices = max_vertices
 
     def fit(self, X: ArrayLike | spmatrix | sparray, y: object = None) -> Filtration:
         """Filter the space of the rows of a matrix.
@@ -140,32 +143,67 @@ class Filtration(ClusterMixin, BaseEstimator):
             If no object is in a concept.
         """
         check_parameters(self)
+        if self.stop == "persistence" and self.heat != "divergence":
+            raise ValueError(
+                f"heat must be 'divergence' where stop is 'persistence', got {self.heat!r}: "
+                "persistent concepts are cut at a divergence"
+            )
         self._filter(TopologicalSpace().fit(X))
         return self
 
     def _filter(self, space: TopologicalSpace) -> None:
-        order, times = order_of_edges(space, self.heat)
-        if self.stop == "annexations":
-            self._annex(space, order, times, np.zeros(len(order), bool))
-            time = self.epsilon_max_ = self._most_annexations()
-            concepts = [] if time is None else self.concepts_at(time)
+        if self.heat == "geodesic":
+            order, times = order_by_centrality(space)
+            classes = None
         else:
-            neighbourhoods = Neighbourhoods.of(space, self.neighbours_per_root)
-            refused = refusals(space, order, neighbourhoods, self.least_mixing, self.min_concept_size)
-            self._annex(space, order, times, refused)
-            self.epsilon_max_ = self._most_annexations()
-            time = 1.0
-            concepts = self._settled(neighbourhoods)
-        self.concepts_: list[Concept] = concepts
-        self.concept_time_ = time if concepts else None
-        if not concepts:
+            classes = mean_divergences(space, self.max_vertices)
+            # Nothing enters at 0.
+            order, times = classes.order, np.maximum(classes.means, np.finfo(float).tiny)
+        self._annex(space, space.edges_[order], times)
+        if classes is not None and self.stop == "persistence":
+            could_be_concepts = self._history.dying_sizes >= self.min_concept_size
+            self._split(split_p_values(classes, could_be_concepts))
+        else:
+            self.p_values_ = np.full(len(times), np.nan)
+        self._take_concepts()
+        if not self.concepts_:
             self._warn_of_no_concepts()
-        self.labels_ = np.full(len(space.vertices_), -1, np.int32)
+
+    def _annex(self, space: TopologicalSpace, edges: NDArray[np.int32], times: NDArray[np.float64]) -> None:
+        """Let the edges of a space enter."""
+        self.space_ = space
+        self.n_features_in_ = space.n_features_in_
+        self._history = Annexations.along(space, edges, times)
+        self.edges_, self.times_ = self._history.edges, self._history.times
+        self.annexations_ = np.stack([self._history.dying, self._history.surviving], axis=1)
+        self.epsilon_max_ = most_annexations(self._history, self.max_steps, self.min_concept_size)
+        self.granularity_: float | None = None
+
+    def _split(self, p_values: NDArray[np.float64]) -> None:
+        """Keep apart what significant splits are between."""
+        self.p_values_ = p_values
+        splits = significant(p_values, self.error_rate)
+        self.concept_tree_ = ConceptTree.of(self._history, splits, p_values, self.min_concept_size)
+        self.granularity_ = (
+            self.concept_tree_.most_persistent_granularity()
+            if self.granularity is None
+            else float(self.granularity)
+        )
+        # One object for each group: a name that it is given stays in every cut.
+        self._concept_of: dict[int, Concept] = {}
+
+    def _take_concepts(self) -> None:
+        time = self.epsilon_max_ if self.granularity_ is None else 1.0 - self.granularity_
+        concepts: list[Concept] = []
+        if self.granularity_ is not None:
+            concepts = self.concepts_at(self.granularity_)
+        elif time is not None:
+            concepts = self.groups_at(time)
+        self.concepts_ = concepts
+        self.concept_time_ = time if concepts else None
+        self.labels_ = np.full(len(self.space_.vertices_), -1, np.int32)
         for number, concept in enumerate(concepts):
             self.labels_[concept.members] = number
-
-    def _most_annexations(self) -> float | None:
-        return most_annexations(self._history, self.max_steps, self.min_concept_size)
 
     def _warn_of_no_concepts(self) -> None:
         size = f"of at least {self.min_concept_size} objects"
@@ -182,39 +220,82 @@ class Filtration(ClusterMixin, BaseEstimator):
             stacklevel=4,
         )
 
-    def _annex(
-        self,
-        space: TopologicalSpace,
-        order: NDArray[np.int64],
-        times: NDArray[np.float64],
-        refused: NDArray[np.bool_],
-    ) -> None:
-        """Let the edges of a space enter, but for those that are refused."""
-        self.space_ = space
-        self.n_features_in_ = space.n_features_in_
-        edges = space.edges_[order]
-        self.refused_edges_, self.refused_times_ = edges[refused], times[refused]
-        self._history = Annexations.along(space, edges[~refused], times[~refused])
-        self.edges_, self.times_ = self._history.edges, self._history.times
-        self.annexations_ = np.stack([self._history.dying, self._history.surviving], axis=1)
+    def concepts_at(self, granularity: float) -> list[Concept]:
+        """Concepts at any granularity, of the groups of `concept_tree_`.
 
-    def _settled(self, neighbourhoods: Neighbourhoods) -> list[Concept]:
-        """The classes that are left in the end, after objects at their borders have settled."""
-        groups = self._history.groups_at(1.0)
-        chosen = groups.of_size(self.min_concept_size)
-        births, deaths = self._history.lives(groups, 1.0)
-        number_of = np.full(groups.n_groups, -1, np.int32)
-        number_of[chosen] = np.arange(len(chosen))
-        of_vertex = settled(
-            number_of[groups.of_vertex],
-            self.space_.multiplicities_,
-            neighbourhoods,
-            self.n_nearest,
-            self.min_concept_size,
+        A concept is the same object in every cut in which it exists, and so keeps its name.
+
+        Parameters
+        ----------
+        granularity : float
+            As the parameter, 0 to 1.
+
+        Returns
+        -------
+        list of Concept
+            Largest first; of equally large ones the one with the smallest vertex first.
+
+        Raises
+        ------
+        ValueError
+            If `granularity` is not between 0 and 1, or `stop` is "annexations", which has a time instead.
+        """
+        groups = self._groups(granularity)
+        tree = self._tree()
+        new = [group for group in groups if group not in self._concept_of]
+        members = [tree.members(group) for group in new]
+        lives = tree.births[new], tree.deaths[new]
+        self._concept_of.update(zip(new, concepts_of_members(self.space_, members, *lives), strict=True))
+        return [self._concept_of[group] for group in groups]
+
+    def _groups(self, granularity: float) -> list[int]:
+        """Groups of the tree at a granularity, in the order of `concepts_at`."""
+        tree = self._tree()
+        groups = tree.cut(check_share("granularity", granularity)).tolist()
+        members = {group: tree.members(group) for group in groups}
+        return sorted(
+            groups, key=lambda group: (-len(members[group]), self.space_.vertices_[members[group]].min())
         )
-        after = Groups(len(chosen), of_vertex, np.append(of_vertex, np.int32(-1))[self.space_.vertices_])
-        largest_first = after.of_size(self.min_concept_size)
-        return concepts_of_groups(self.space_, after, largest_first, births[chosen], deaths[chosen])
+
+    def at_granularity(self, granularity: float) -> Filtration:
+        """The same filtration with its concepts taken at another granularity; nothing is filtered again.
+
+        Parameters and errors are those of `concepts_at`.
+        """
+        self._tree()
+        other = copy.copy(self)
+        other.granularity = other.granularity_ = check_share("granularity", granularity)
+        other._take_concepts()
+        return other
+
+    def _group_names(self) -> list[list[object]]:
+        """Groups of the tree that have a name, but for the present concepts, each with its name."""
+        present = {id(concept) for concept in self.concepts_}
+        return sorted(
+            [group, concept.name]
+            for group, concept in getattr(self, "_concept_of", {}).items()
+            if concept.name and id(concept) not in present
+        )
+
+    def _name_groups(self, names: list[list[Any]]) -> None:
+        """Give groups of the tree their names, see `_group_names`."""
+        groups = [group for group, _ in names]
+        members = [self.concept_tree_.members(group) for group in groups]
+        lives = self.concept_tree_.births[groups], self.concept_tree_.deaths[groups]
+        for concept, (group, name) in zip(
+            concepts_of_members(self.space_, members, *lives), names, strict=True
+        ):
+            concept.name = name
+            self._concept_of[group] = concept
+
+    def _tree(self) -> ConceptTree:
+        check_is_fitted(self)
+        if self.granularity_ is None:
+            raise ValueError(
+                "there are no significant splits, and so no granularities, where stop is 'annexations': "
+                "groups_at gives the groups at a time"
+            )
+        return self.concept_tree_
 
     def annexations(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """Annexations per step of time (paper: annexation curve).
@@ -235,8 +316,8 @@ class Filtration(ClusterMixin, BaseEstimator):
         Returns
         -------
         (v, 2) float64
-            Birth and death of the class of each vertex of the space. All are born at 0; one that is left in
-            the end never dies: its death is infinite.
+            Birth and death of the class of each vertex of the space. All are born at 0; the last one never
+            dies: its death is infinite.
         """
         check_is_fitted(self)
         return self._history.diagram()
@@ -252,8 +333,8 @@ class Filtration(ClusterMixin, BaseEstimator):
         check_is_fitted(self)
         return self._history.graph()
 
-    def concepts_at(self, time: float, min_size: int | None = None) -> list[Concept]:
-        """Groups of objects at a time.
+    def groups_at(self, time: float, min_size: int | None = None) -> list[Concept]:
+        """All groups of objects at a time, whether their splits are significant or not.
 
         Parameters
         ----------
@@ -275,20 +356,10 @@ class Filtration(ClusterMixin, BaseEstimator):
         groups, chosen = self._groups_at(time, min_size)
         return concepts_of_groups(self.space_, groups, chosen, *self._history.lives(groups, time))
 
-    def without_refusals(self) -> Filtration:
-        """Filtration of the same space in which nothing is refused: down to a single group."""
-        check_is_fitted(self)
-        whole = Filtration(**{**self.get_params(), "stop": "annexations"})
-        with warnings.catch_warnings():
-            # The groups at other times are of interest, even if there are no concepts at the paper's.
-            warnings.simplefilter("ignore", UserWarning)
-            whole._filter(self.space_)
-        return whole
-
     def labels_at(self, time: float, min_size: int | None = None) -> NDArray[np.int32]:
-        """Number of each object's group at a time, in the order of `concepts_at`, -1 for none; (n,) int32.
+        """Number of each object's group at a time, in the order of `groups_at`, -1 for none; (n,) int32.
 
-        Parameters and errors are those of `concepts_at`, which takes longer.
+        Parameters and errors are those of `groups_at`, which takes longer.
         """
         groups, chosen = self._groups_at(time, min_size)
         number_of = np.full(groups.n_groups + 1, -1, np.int32)

@@ -13,7 +13,7 @@ from safetensors.numpy import save
 
 from shapeconcepts.io.atomic_write import write_atomically
 from shapeconcepts.model_file.error import ModelError, require
-from shapeconcepts.model_file.layout import FORMAT, OLDEST_FORMAT, Tensors, check_layout
+from shapeconcepts.model_file.layout import FORMAT, Tensors, check_layout
 
 # A single key: the order of several in the header would change from one run to the next.
 _KEY = "shapeconcepts"
@@ -94,10 +94,10 @@ def _read_header(
             f"has format {version!s:.40}, written by {description.get('written_by')!s:.60}, which is newer "
             f"than this version of shapeconcepts: it reads format {FORMAT}"
         )
-    if version < OLDEST_FORMAT:
+    if version < FORMAT:
         raise ModelError(
             f"has format {version}, written by {description.get('written_by')!s:.60}, an older version of "
-            f"shapeconcepts: this one reads formats {OLDEST_FORMAT} to {FORMAT}; "
+            f"shapeconcepts, which found concepts by another rule: this one reads format {FORMAT}; "
             "learn the model again from its scans"
         )
     return _places(header, 8 + length, size), description

@@ -54,7 +54,15 @@ def check_description(description: dict[str, Any], n_scans: int, n_concepts: int
         is_rising and len(numbers) < n_scans,
         f"skipped must name some of the scans 0 to {n_scans - 1}, rising, got {numbers!r:.60}",
     )
-    for field in ("concept_time", "epsilon_max", "largest_divergence"):
+    names = description["group_names"]
+    require(isinstance(names, list), f"group_names must be a list, got {_outline(names)}")
+    for entry in names:
+        is_pair = isinstance(entry, list) and len(entry) == 2
+        require(
+            is_pair and type(entry[0]) is int and isinstance(entry[1], str),
+            f"group_names must hold numbers of groups with a name, got {entry!r:.60}",
+        )
+    for field in ("concept_time", "epsilon_max", "granularity", "largest_divergence"):
         value = description[field]
         require(
             _is_share(value) or (value is None and field != "largest_divergence"),
@@ -88,6 +96,7 @@ def check_content(tensors: Tensors, skipped: list[int], columns_are: str) -> Non
     _check_prototypes(tensors, len(tensors["concepts.labels"]) - len(skipped))
     _check_stimuli(tensors, skipped, columns_are)
     _check_space(tensors)
+    _check_filtration(tensors)
     _check_concepts(tensors)
     _check_response(tensors)
 
@@ -166,11 +175,9 @@ def _check_stimuli(tensors: Tensors, skipped: list[int], columns_are: str) -> No
     sources, lengths = tensors["stimuli.sources"], tensors["stimuli.row_lengths"]
     columns, values = tensors["stimuli.columns"], tensors["stimuli.values"]
     if columns_are == "prototypes":
-        n_prototypes = len(tensors["prototypes.objects"])
-        require(
-            np.array_equal(sources, np.arange(n_prototypes)),
-            f"tensor stimuli.sources must name the prototypes 0 to {n_prototypes - 1} in this order",
-        )
+        _check_range(tensors, "stimuli.sources", 0, len(tensors["prototypes.objects"]) - 1)
+        is_rising = np.diff(sources, prepend=-1) > 0
+        _require_all("stimuli.sources", is_rising, sources, "rising numbers of prototypes")
     else:
         _check_range(tensors, "stimuli.sources", 0, len(tensors["motifs.words"]) - 1)
     require(len(np.unique(sources)) == len(sources), "tensor stimuli.sources must hold every column once")
@@ -207,12 +214,19 @@ def _check_space(tensors: Tensors) -> None:
     _require_all("space.edges", edges[:, 0] < edges[:, 1], edges, "the smaller vertex first")
     _require_sorted("space.edges", edges)
     _check_range(tensors, "space.divergences", 0, 1)
-    refused = tensors["filtration.refused_edges"]
-    both, counts = np.unique(np.concatenate([edges, refused]), axis=0, return_counts=True)
+
+
+def _check_filtration(tensors: Tensors) -> None:
+    order, times, p_values = (tensors[f"filtration.{name}"] for name in ("order", "times", "p_values"))
     require(
-        len(both) == len(edges) and bool((counts <= 2).all()),
-        "tensor filtration.refused_edges must hold edges of the tree, each once",
+        np.array_equal(np.sort(order), np.arange(len(order))),
+        "tensor filtration.order must hold every edge of the tree once",
     )
+    _check_range(tensors, "filtration.times", 0, 1)
+    is_later = (times > 0) & (np.diff(times, prepend=0) >= 0)
+    _require_all("filtration.times", is_later, times, "rising numbers above 0")
+    in_range = np.isnan(p_values) | ((p_values >= 0) & (p_values <= 1))
+    _require_all("filtration.p_values", in_range, p_values, "numbers from 0 to 1, or NaN")
 
 
 def _check_concepts(tensors: Tensors) -> None:
@@ -231,8 +245,8 @@ def _check_concepts(tensors: Tensors) -> None:
         "concepts.medoids", labels[medoids] == np.arange(n_concepts), medoids, "a member of each concept"
     )
     _check_range(tensors, "concepts.births", 0, 1)
-    is_later = (deaths > births) & ((deaths <= 1) | (deaths == np.inf))
-    _require_all("concepts.deaths", is_later, deaths, "times after births, up to 1 or infinite")
+    is_later = (deaths >= births) & ((deaths <= 1) | (deaths == np.inf))
+    _require_all("concepts.deaths", is_later, deaths, "times from births on, up to 1 or infinite")
 
 
 def _check_response(tensors: Tensors) -> None:

@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 from shapeconcepts.model_file.error import require
 from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
 
-FORMAT = 6
-# The oldest that can still be read.
-OLDEST_FORMAT = 5
+FORMAT = 7
 
 Tensors = dict[str, NDArray[Any]]
 
@@ -40,7 +38,10 @@ LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
     "space.vertices": ("int32", ("scans",)),
     "space.edges": ("int32", ("edges", 2)),
     "space.divergences": ("float64", ("edges",)),
-    "filtration.refused_edges": ("int32", ("refused", 2)),
+    # Edges of the space as they enter, and when; p-values are NaN where no split is tested.
+    "filtration.order": ("int64", ("edges",)),
+    "filtration.times": ("float64", ("edges",)),
+    "filtration.p_values": ("float64", ("edges",)),
     "concepts.labels": ("int32", ("scans",)),
     "concepts.medoids": ("int64", ("concepts",)),
     "concepts.births": ("float64", ("concepts",)),
@@ -59,6 +60,8 @@ FIELDS = frozenset(
         "scan_labels",
         "skipped",
         "concept_names",
+        "group_names",
+        "granularity",
         "concept_time",
         "epsilon_max",
         "largest_divergence",

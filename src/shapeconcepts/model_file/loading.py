@@ -15,15 +15,13 @@ from shapeconcepts.concepts import Concept, ConceptResponse, Filtration
 from shapeconcepts.model_file.container import read_container
 from shapeconcepts.model_file.content import check_content, check_description
 from shapeconcepts.model_file.error import ModelError, require
-from shapeconcepts.model_file.format_five import in_present_format
-from shapeconcepts.model_file.layout import FORMAT, Tensors
+from shapeconcepts.model_file.layout import Tensors
 from shapeconcepts.model_file.parameters import decode_descriptor, decode_stage
 from shapeconcepts.model_file.state import ModelState
 from shapeconcepts.motifs import MotifHierarchies, MotifHierarchyEnsemble, SegmentDictionary
 from shapeconcepts.motifs.stimuli import MotifField
 from shapeconcepts.segmentation import Segmenter
 from shapeconcepts.topology import TopologicalSpace
-from shapeconcepts.topology.annexations import order_of_edges
 from shapeconcepts.topology.divergence import normalised_rows
 
 # By what equal rows may differ when they are scaled to sum 1 elsewhere.
@@ -58,8 +56,6 @@ def restore_state(tensors: Tensors, description: dict[str, Any]) -> ModelState:
     ModelError
         If the content is not that of a model.
     """
-    if description["format"] < FORMAT:
-        description = in_present_format(dict(description))
     n_scans, n_concepts = len(tensors["concepts.labels"]), len(tensors["concepts.medoids"])
     check_description(description, n_scans, n_concepts)
     stages, skipped = description["stages"], dict(description["skipped"])
@@ -112,7 +108,10 @@ def _fit_ensemble(
         object_names=tuple(name for i, name in enumerate(description["scan_names"]) if i not in skipped),
     )
     ensemble._remember(dictionary, hierarchies)
-    if ensemble.columns == "motifs":
+    if ensemble.columns == "prototypes":
+        # On another processor the last bits, and so the sample, could be others.
+        ensemble._sampled = tensors["stimuli.sources"]
+    else:
         # To find out anew which motifs are columns takes longer than all the rest of loading.
         ensemble._field = MotifField(hierarchies, tensors["stimuli.sources"], float(ensemble.bandwidth))
 
@@ -143,15 +142,10 @@ def _fit_filtration(
     space.edges_, space.divergences_ = tensors["space.edges"], tensors["space.divergences"]
     space._set_heat()
 
-    refused_edges = tensors["filtration.refused_edges"]
-    require(
-        filtration.stop == "refusal" or len(refused_edges) == 0,
-        f"tensor filtration.refused_edges must be empty where stop is {filtration.stop!r}",
-    )
-    order, times = order_of_edges(space, filtration.heat)
-    filtration._annex(space, order, times, _are_among(space.edges_[order], refused_edges))
-    filtration.concept_time_ = description["concept_time"]
+    filtration._annex(space, space.edges_[tensors["filtration.order"]], tensors["filtration.times"])
+    filtration.p_values_ = tensors["filtration.p_values"]
     filtration.epsilon_max_ = description["epsilon_max"]
+    filtration.concept_time_ = description["concept_time"]
     filtration.labels_ = tensors["concepts.labels"]
     filtration.concepts_ = [
         Concept(members, medoid, birth, death, name)
@@ -164,13 +158,30 @@ def _fit_filtration(
             strict=True,
         )
     ]
-
-
-def _are_among(edges: NDArray[np.int32], others: NDArray[np.int32]) -> NDArray[np.bool_]:
-    """Whether each edge is one of others; all between vertices from 0."""
-    pairs = np.concatenate([edges, others]).astype(np.int64)
-    numbers = pairs[:, 0] * (pairs.max(initial=0) + 1) + pairs[:, 1]
-    return np.isin(numbers[: len(edges)], numbers[len(edges) :])
+    granularity, names = description["granularity"], description["group_names"]
+    require(
+        (granularity is not None) == (filtration.stop == "persistence"),
+        f"granularity must be a number where stop is 'persistence', and only there, got {granularity!r}",
+    )
+    if granularity is None:
+        require(not names, f"group_names must be empty where there are no groups, got {names!r:.60}")
+        return
+    filtration._split(filtration.p_values_)
+    filtration.granularity_ = granularity
+    groups = filtration._groups(granularity)
+    members = [filtration.concept_tree_.members(group).tolist() for group in groups]
+    require(
+        members == [concept.members.tolist() for concept in filtration.concepts_],
+        "tensor concepts.labels must name the groups at the granularity, the largest first",
+    )
+    filtration._concept_of.update(zip(groups, filtration.concepts_, strict=True))
+    others = [group for group, _ in names]
+    unnamed = set(range(len(filtration.concept_tree_.parents))) - set(groups)
+    require(
+        len(set(others)) == len(others) and unnamed.issuperset(others),
+        f"group_names must name groups that are no concepts, each once, got {names!r:.60}",
+    )
+    filtration._name_groups(names)
 
 
 def _fit_response(

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shapeconcepts.model_file.container import write_container
 from shapeconcepts.model_file.error import ModelError
@@ -60,6 +61,8 @@ def _description(state: ModelState) -> dict[str, Any]:
         "scan_labels": state.scan_labels,
         "skipped": sorted(state.skipped.items()),
         "concept_names": [concept.name for concept in state.filtration.concepts_],
+        "group_names": state.filtration._group_names(),
+        "granularity": state.filtration.granularity_,
         "concept_time": state.filtration.concept_time_,
         "epsilon_max": state.filtration.epsilon_max_,
         "largest_divergence": state.response.largest_divergence_,
@@ -89,7 +92,9 @@ def _tensors(state: ModelState) -> Tensors:
         "space.vertices": space.vertices_,
         "space.edges": space.edges_,
         "space.divergences": space.divergences_,
-        "filtration.refused_edges": state.filtration.refused_edges_,
+        "filtration.order": _positions(space.edges_, state.filtration.edges_),
+        "filtration.times": state.filtration.times_,
+        "filtration.p_values": state.filtration.p_values_,
         "concepts.labels": state.filtration.labels_,
         "concepts.medoids": np.array([concept.medoid for concept in concepts], np.int64),
         "concepts.births": np.array([concept.birth for concept in concepts], np.float64),
@@ -97,3 +102,10 @@ def _tensors(state: ModelState) -> Tensors:
         "response.mean": state.response.mean_,
         "response.whitening": state.response.whitening_,
     }
+
+
+def _positions(edges: NDArray[np.int32], entering: NDArray[np.int32]) -> NDArray[np.int64]:
+    """Where each edge that enters stands among sorted edges."""
+    positions = np.empty(len(edges), np.int64)
+    positions[np.lexsort(entering.T[::-1])] = np.arange(len(edges))
+    return positions

@@ -68,7 +68,7 @@ class PrototypeField:
         resolution: float,
         width: float,
     ) -> PrototypeField:
-        """The field of some prototypes of hierarchies; N is their square root, at least 25, where it is None."""
+        """The field of some prototypes of hierarchies; N is their square root, at least 25, if it is None."""
         if n_neighbours is None:
             n_neighbours = max(LEAST_NEIGHBOURS, round(len(columns) ** 0.5))
         roots = np.ascontiguousarray(np.sqrt(hierarchies.prototypes[columns]).T)

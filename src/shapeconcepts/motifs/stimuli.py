@@ -97,3 +97,11 @@ def sparse_rows(rows: Sequence[SparseRow], n_columns: int) -> csr_matrix:
     columns = np.concatenate([np.empty(0, np.int32), *(columns for columns, _ in rows)])
     stimuli = np.concatenate([np.empty(0), *(stimuli for _, stimuli in rows)])
     return csr_matrix((stimuli, columns, indptr), shape=(len(rows), n_columns))
+
+
+def with_empty_rows(rows: csr_matrix, objects: Sequence[object | None]) -> csr_matrix:
+    """Rows of the objects that are there, and an empty one for each that is None."""
+    lengths = np.zeros(len(objects), np.int64)
+    lengths[[i for i, one in enumerate(objects) if one]] = np.diff(rows.indptr)
+    indptr = np.concatenate([[0], np.cumsum(lengths)])
+    return csr_matrix((rows.data, rows.indices, indptr), shape=(len(objects), rows.shape[1]))

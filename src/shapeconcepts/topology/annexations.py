@@ -11,40 +11,23 @@ from numpy.typing import NDArray
 
 from shapeconcepts.topology.annexation_kernels import annex
 from shapeconcepts.topology.groups import Groups, members_of_groups
-from shapeconcepts.topology.separation_kernels import separation_order
 from shapeconcepts.topology.space import TopologicalSpace
 
 if TYPE_CHECKING:
     import networkx
 
-HEATS = ("separation", "geodesic")
 
+def order_by_centrality(space: TopologicalSpace) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Edges of a space's tree from its leaves to its centre, and when they enter, rising, in (0, 1].
 
-def order_of_edges(space: TopologicalSpace, heat: str) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Order in which the edges of a space's tree enter, and when, rising, in (0, 1].
-
-    Parameters
-    ----------
-    space : TopologicalSpace
-        Fitted.
-    heat : {"separation", "geodesic"}
-        See `shapeconcepts.concepts.Filtration`.
+    An edge enters the later, the hotter it is (paper: equation 2, edge heat as time).
     """
-    if heat == "separation":
-        order, edge_heat = separation_order(space.edges_, space.divergences_, space.multiplicities_)
-    else:
-        order = np.argsort(space.edge_heat_, kind="stable")
-        edge_heat = space.edge_heat_[order]
-    return order, _times(edge_heat)
-
-
-def _times(edge_heat: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Heat as time in (0, 1]: the coldest edges enter first, and nothing does at 0."""
-    if len(edge_heat) == 0 or edge_heat.min() == edge_heat.max():
-        return np.ones(len(edge_heat))
-    smallest = edge_heat[edge_heat > 0].min()
-    coldest = edge_heat.min()
-    return (edge_heat - coldest + smallest) / (edge_heat.max() - coldest + smallest)
+    order = np.argsort(space.edge_heat_, kind="stable")
+    heat = space.edge_heat_[order]
+    if len(heat) == 0 or heat.min() == heat.max():
+        return order, np.ones(len(heat))
+    smallest, coldest = heat[heat > 0].min(), heat.min()
+    return order, (heat - coldest + smallest) / (heat.max() - coldest + smallest)
 
 
 @dataclass(frozen=True, eq=False)

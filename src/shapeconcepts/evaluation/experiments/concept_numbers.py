@@ -51,7 +51,7 @@ class ConceptNumbers:
         Returns
         -------
         float or None
-            None where there never are so many, or where more are left in the end, as they refuse to join.
+            None where there never are so many.
         """
         numbers = self.at_least(min_size)
         reached = np.flatnonzero(numbers >= number)

@@ -54,7 +54,7 @@ def supervised_selection(
 ) -> SupervisedResult:
     """Choose number and minimum size of concepts on each training part, then classify its test part.
 
-    Concepts are groups at a time of the filtration in which nothing is refused: refusals choose their number.
+    Concepts are the groups at a time of the filtration.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def fold_surfaces(
     fitted, left_out = split
     model = fit([described[i] for i in fitted], preset)
     stimuli = model.stimuli([described[i] for i in left_out])
-    filtration = model.filtration_.without_refusals()
+    filtration = model.filtration_
     concept_numbers = ConceptNumbers.of(filtration)
     distances = ResponseDistances.of(model, stimuli)
     surfaces = Surfaces(*np.full((3, len(numbers), len(sizes)), np.nan))
@@ -188,7 +188,7 @@ def _test(
 ) -> TestPart:
     training, test = split
     model = fit([described[i] for i in training], preset)
-    filtration = model.filtration_.without_refusals()
+    filtration = model.filtration_
     concept_of = _concepts(filtration, ConceptNumbers.of(filtration), number, size)
     if concept_of is None:
         # The folds had that many concepts, the whole training part has not: as the model would choose.

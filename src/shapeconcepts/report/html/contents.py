@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
@@ -17,6 +18,7 @@ from shapeconcepts.report.html.scan_preview import ScanPreview
 from shapeconcepts.report.html.time_scale import TimeScale, annexation_counts
 from shapeconcepts.report.html.tree_layout import lay_out_tree
 from shapeconcepts.report.palette import NO_SEGMENT_COLOUR, SEGMENT_COLOURS
+from shapeconcepts.topology.annexations import Annexations
 from shapeconcepts.topology.divergence import jensen_shannon_divergences
 from shapeconcepts.version import __version__
 
@@ -46,6 +48,7 @@ def report_contents(
         "scans": _scans(model, previews, labels),
         "concepts": [_concept(model, one, labels) for one in ranked],
         "filtration": _filtration(model.filtration_),
+        "groups": _groups(model, ranked, labels),
         "skipped": [[model.scan_names_[i] or f"scan {i}", why] for i, why in sorted(model.skipped_.items())],
         "unread": [[str(file), str(reason)] for file, reason in unread],
     }
@@ -86,34 +89,84 @@ def _concept(model: ShapeConceptModel, ranked: RankedConcept, labels: list[str])
     }
 
 
+def _groups(
+    model: ShapeConceptModel, ranked: Sequence[RankedConcept], labels: list[str]
+) -> list[dict[str, Any]]:
+    """The tree of concepts, children before parents; none where a time makes concepts."""
+    tree = model.concept_tree_
+    if tree is None:
+        return []
+    rank_of = {one.number: rank for rank, one in enumerate(ranked)}
+    groups = []
+    for group in range(len(tree.parents)):
+        members = tree.members(group)
+        numbers = set(model.labels_[members].tolist())
+        number = numbers.pop() if len(numbers) == 1 else -1
+        counts = Counter(label for label in (model.scan_labels_[i] for i in members) if label is not None)
+        groups.append(
+            {
+                "parent": int(tree.parents[group]),
+                "from": _rounded(max(1 - tree.deaths[group], 0.0)),
+                "to": _rounded(1 - tree.births[group]),
+                "size": len(members),
+                "rank": rank_of.get(number, -1),
+                "isConcept": number >= 0 and len(members) == model.concepts_[number].size,
+                "label": labels.index(counts.most_common(1)[0][0]) if counts else -1,
+            }
+        )
+    return groups
+
+
 def _filtration(filtration: Filtration) -> dict[str, Any]:
     space = filtration.space_
     n_vertices = len(space.multiplicities_)
     scale = TimeScale.of(filtration)
     step_ends, counts = annexation_counts(filtration, scale)
+    is_between = _between_concepts(filtration)
+    edges, times = filtration.edges_[~is_between], filtration.times_[~is_between]
+    within = Annexations.along(space, edges, times)
+    annexations = np.stack([within.dying, within.surviving], axis=1)
+    # Between concepts nothing enters on the page: what is left in the end are the concepts.
+    concept_time = filtration.concept_time_
+    if concept_time is not None and filtration.granularity_ is not None:
+        concept_time = 1.0
     return {
         "heatKind": filtration.heat,
         "stop": filtration.stop,
-        "axisStart": scale.start,
+        "axisEnds": scale.ends,
         "tree": _rounded(lay_out_tree(space.edges_, n_vertices)),
         "heat": _rounded(_vertex_heat(filtration, scale)),
-        "edges": filtration.edges_.tolist(),
-        "times": filtration.times_.tolist(),
-        "annexations": filtration.annexations_.tolist(),
-        "refusedEdges": filtration.refused_edges_.tolist(),
-        "refusedTimes": filtration.refused_times_.tolist(),
-        "graph": _rounded(
-            lay_out_filtration(filtration.annexations_, scale.radii(filtration.times_), n_vertices)
-        ),
+        "edges": edges.tolist(),
+        "times": times.tolist(),
+        "annexations": annexations.tolist(),
+        "edgesBetween": filtration.edges_[is_between].tolist(),
+        "timesBetween": filtration.times_[is_between].tolist(),
+        "graph": _rounded(lay_out_filtration(annexations, scale.radii(times), n_vertices)),
         "stepEnds": step_ends,
         "stepCounts": counts,
-        "conceptTime": filtration.concept_time_,
+        "conceptTime": concept_time,
+        "granularity": filtration.granularity_,
         "minSize": int(filtration.min_concept_size),
     }
 
 
+def _between_concepts(filtration: Filtration) -> NDArray[np.bool_]:
+    """Which edges are between concepts, or lead to what is in none, (e,) bool."""
+    if filtration.granularity_ is None:
+        return np.zeros(len(filtration.edges_), bool)
+    first, second = _label_of_vertex(filtration)[filtration.edges_].T
+    return (first != second) | (first < 0)
+
+
+def _label_of_vertex(filtration: Filtration) -> NDArray[np.int32]:
+    labels = np.full(len(filtration.space_.multiplicities_), -1, np.int32)
+    is_placed = filtration.space_.vertices_ >= 0
+    labels[filtration.space_.vertices_[is_placed]] = filtration.labels_[is_placed]
+    return labels
+
+
 def _vertex_heat(filtration: Filtration, scale: TimeScale) -> NDArray[np.float64]:
-    """Heat of each vertex, 0 to 1: of separations, how late on the axis of time its first neighbour joins."""
+    """Heat of each vertex, 0 to 1: of divergences, how late on the axis its first neighbour joins."""
     if filtration.heat == "geodesic":
         return filtration.space_.vertex_heat_
     first_joins = np.ones(len(filtration.space_.multiplicities_))

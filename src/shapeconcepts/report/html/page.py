@@ -20,7 +20,18 @@ from shapeconcepts.report.html.contents import report_contents
 from shapeconcepts.report.html.scan_preview import ScanPreview
 
 # One script: each file may use what those before it define.
-_SCRIPTS = ("state", "scan_view", "viewer", "dot_map", "maps", "timeline", "glance", "galleries", "page")
+_SCRIPTS = (
+    "state",
+    "scan_view",
+    "viewer",
+    "dot_map",
+    "maps",
+    "timeline",
+    "granularity",
+    "glance",
+    "galleries",
+    "page",
+)
 
 
 def write_report(

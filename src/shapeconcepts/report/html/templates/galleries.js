@@ -37,7 +37,7 @@ function gallery(group, firstNote) {
 
 function lifetimeBar(rank) {
   const concept = concepts[rank], birth = position(concept.birth), death = position(concept.death ?? 1);
-  return element("span", { className: "life", title: `The strip is time${isRatio ? ", logarithmic, as below the barcode" : " from 0 to 1"}; `
+  return element("span", { className: "life", title: `The strip is time${isOdds ? ", as below the barcode" : " from 0 to 1"}; `
     + `the bar is this concept's lifetime${isBusiest ? `, the mark the time of the concepts, ${shownTime(filtration.conceptTime)}` : ""}.` },
     element("span", { className: "life-bar", style: { left: `${100 * birth}%`,
       width: `${Math.max(1, 100 * (death - birth))}%`, background: conceptColour(rank) } }),
@@ -47,8 +47,7 @@ function lifetimeBar(rank) {
 function conceptCard(rank) {
   const concept = concepts[rank], size = concept.members.length;
   const mix = concept.mix.slice(0, 5).map(([label, n]) => `${n} ${labels[label]}`).join(", ") + (concept.mix.length > 5 ? " …" : "");
-  const death = concept.death === null ? "never dies" : `dies at ${shownTime(concept.death)}`
-    + (isRatio && concept.birth > 0 ? ` (× ${(concept.death / concept.birth).toFixed(1)})` : "");
+  const death = concept.death === null ? "never dies" : `joins the next at ${shownTime(concept.death)}`;
   const card = element("article", { id: `concept-${rank}`, className: "card", style: { "--colour": conceptColour(rank) } },
     element("header", {},
       element("h3", {}, element("span", { className: "number", textContent: concept.number }), named(conceptName(rank))),

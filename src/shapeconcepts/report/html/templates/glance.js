@@ -71,7 +71,7 @@ function fillGlance(section) {
     element("h2", { textContent: "What these objects have in common" }),
     element("p", { textContent: (isBusiest
       ? "A shape concept is a group of scans that stay together for a while as likeness is taken ever more loosely. "
-      : "A shape concept is a group of scans that are each other's nearest, however loosely likeness is taken. ")
+      : "A shape concept is a group of scans that have much in common, with a gap to all others. ")
       + "Here is the most typical scan of each, its medoid. Turn them; point at one to find it in every "
       + "figure below, click to hold on to it." }),
     hasLabels ? legend(labels.map((label, i) => [labelColour(i), label]), "Labels of a concept’s scans:") : "",

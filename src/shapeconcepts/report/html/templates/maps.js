@@ -24,16 +24,14 @@ function treeFigure() {
     + "difference in total. Only the pattern of the lines counts, not their length. " + (filtration.heatKind === "geodesic"
       ? "A scan is cold where it is many lines away from the rest: the tips of the twigs. The middle, near to all, is hot, "
         + "and there unlike things meet."
-      : "Dark lines have joined by now. Coloured by separation, a dot is the more orange, the later it joins its first "
+      : "Dark lines have joined by now. Coloured by divergence, a dot is the more orange, the later it joins its first "
         + "neighbour: such a scan stands apart.")
-      + (nRefused ? " Across an orange bar nothing joins: the scans on its two sides are too seldom each other's nearest." : "")
-      + (isBusiest || !nRefused ? "" : " Scans at the border of a concept belong to the one whose nearest members are nearest, "
-        + "so that a few have another colour than those they hang on."),
-    `Spanning tree of ${nVertices} places`, { pairs: filtration.edges, walls: filtration.refusedEdges, place });
+      + (nBetween ? " Orange bars are between concepts." : ""),
+    `Spanning tree of ${nVertices} places`, { pairs: filtration.edges, walls: filtration.edgesBetween, place });
 }
 
 // As in time_scale.py.
-const radius = (time) => 0.06 + 0.94 * (isRatio ? 1 - position(time) : Math.sqrt(1 - time));
+const radius = (time) => 0.06 + 0.94 * (isOdds ? 1 - position(time) : Math.sqrt(1 - time));
 
 function graphFigure() {
   const disc = (width, height) => [width / 2, height / 2, Math.min(width, height) / 2 - 24];
@@ -53,7 +51,7 @@ function graphFigure() {
     context.textAlign = "center";
     context.textBaseline = "middle";
     context.font = "11px system-ui, sans-serif";
-    for (const [time, text] of isRatio ? [[0, "time 0"], ...ticks(0.13).filter(([at]) => position(at) > 0.08)] : [[0, "time 0"], [0.25, "0.25"], [0.5, "0.5"], [0.75, "0.75"]]) {
+    for (const [time, text] of isOdds ? [[0, "time 0"], ...ticks(0.13).filter(([at]) => position(at) > 0.08)] : [[0, "time 0"], [0.25, "0.25"], [0.5, "0.5"], [0.75, "0.75"]]) {
       if (time === 1) continue;
       ring(time, "#eceae4", 1);
       context.fillStyle = "#8b8f99";
@@ -68,7 +66,7 @@ function graphFigure() {
   };
   return mapFigure("The filtration graph F: who annexed whom",
     "The same dots, now by the time at which each was annexed: early at the rim, late towards the middle, where "
-    + (nRefused ? "those are left that were never annexed. A line" : "the one is left that outlives all. A line")
+    + (nBetween ? "those are left that were never annexed. A line" : "the one is left that outlives all. A line")
     + " leads to the class that did it. The orange circle is now: every dot outside of it "
     + "has been annexed, and the dots that hang on the same one inside are a group.",
     `Filtration graph F with ${filtration.annexations.length} annexations`,

@@ -78,13 +78,13 @@ function fillHow(section) {
       element("p", { textContent: "What each scan is made of becomes a vector of stimuli, and scans with like stimuli are neighbours. "
         + (filtration.heatKind === "geodesic"
           ? "Then time runs: from the coldest twigs to the hot middle, neighbours join, and the larger group annexes the smaller. "
-          : "Then time runs: neighbours join, those first that are the least apart, and the larger group annexes the smaller. The "
-            + "larger both are, the more it takes. ")
+          : "Then time runs: neighbouring groups join, those first whose scans diverge least on average, and the larger annexes the smaller. ")
         + (isBusiest ? "At time 0 every scan is alone, at time 1 all are one; concepts lie in between. Pull the time and watch."
-          : "Groups whose scans are seldom each other's nearest refuse to join; what is left at time 1 are the concepts. Pull the time and watch.") })),
+          : "Groups with a gap between them that chance does not explain, and little in common, stay apart; what is left at time 1 are the concepts. Pull the time and watch.") })),
     element("div", { className: "controls" }, timeControl(), colouringChoice()),
     element("div", { className: "pair" }, treeFigure(), graphFigure()),
-    timelineFigure());
+    timelineFigure(),
+    groups.length > 1 ? granularityFigure() : "");
 }
 
 function table(title, rows) {

@@ -31,32 +31,35 @@ scans.vertices.forEach((vertex, scan) => {
 });
 
 // As in time_scale.py: positions on the axis of time, 0 to 1, and back. Nothing has joined at the very begin.
-const isRatio = filtration.axisStart !== null;
-const position = (time) => (!isRatio ? time : time <= filtration.axisStart ? 0 : 1 - Math.log(time) / Math.log(filtration.axisStart));
-const timeAt = (at) => (!isRatio ? at : at <= 0 ? 0 : filtration.axisStart ** (1 - at));
-const shownTime = (time) => (!isRatio || time === 0 ? time.toFixed(2) : time.toPrecision(2));
+const isOdds = filtration.axisEnds !== null;
+const logOdds = (time) => Math.log(time / (1 - time));
+const [firstOdds, lastOdds] = isOdds ? filtration.axisEnds.map(logOdds) : [0, 1];
+const position = (time) => (!isOdds ? time
+  : time <= filtration.axisEnds[0] ? 0 : time >= filtration.axisEnds[1] ? 1 : (logOdds(time) - firstOdds) / (lastOdds - firstOdds));
+const timeAt = (at) => (!isOdds ? at : at <= 0 ? 0 : at >= 1 ? 1 : 1 / (1 + Math.exp(-(firstOdds + at * (lastOdds - firstOdds)))));
+const shownTime = (time) => (!isOdds || time === 0 || time === 1 ? time.toFixed(2) : time < 0.1 ? time.toPrecision(2) : time > 0.99 ? time.toFixed(4) : time.toFixed(3));
 
 // Round times with room between them, of which there is `room` on the whole axis.
 function ticks(room) {
-  const candidates = !isRatio ? [0, 1, 0.5, 0.1, 0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9]
-    : [1, 0.1, 0.01, 0.001, 0.0001, 0.00001].flatMap((power) => [power, power * 0.5, power * 0.2]).concat([0.3, 0.03, 0.7, 0.07, 0.4, 0.04]);
+  const candidates = !isOdds ? [0, 1, 0.5, 0.1, 0.2, 0.3, 0.4, 0.6, 0.7, 0.8, 0.9]
+    : [0.5, 0.9, 0.1, 0.99, 0.999, 0.01, 0.001, 0.7, 0.3, 0.97, 0.03, 0.95, 0.05, 0.98, 0.02, 0.8, 0.2, 0.6, 0.4, 0.996, 0.005];
   const taken = [];
   for (const time of candidates) {
-    if (isRatio && time < filtration.axisStart) continue;
+    if (isOdds && (time < filtration.axisEnds[0] || time > filtration.axisEnds[1])) continue;
     if (taken.every((other) => Math.abs(position(time) - position(other)) >= room)) taken.push(time);
   }
-  return taken.map((time) => [time, String(Number(time.toPrecision(2)))]);
+  return taken.map((time) => [time, String(time)]);
 }
 
-// Concepts are either taken at the busiest step of time, or what is left in the end, as annexations are refused.
+// Concepts are either taken at the busiest step of time, or groups that significant splits keep apart.
 const isBusiest = filtration.stop === "annexations";
-const nRefused = filtration.refusedEdges.length;
+const nBetween = filtration.edgesBetween.length;
 // Time at which each vertex has its first neighbour.
 const joinTimes = new Float64Array(nVertices).fill(Infinity);
 filtration.edges.forEach((ends, i) => ends.forEach((vertex) => { joinTimes[vertex] = Math.min(joinTimes[vertex], filtration.times[i]); }));
-const heatName = filtration.heatKind === "geodesic" ? "heat" : "separation";
+const heatName = filtration.heatKind === "geodesic" ? "heat" : "divergence";
 
-const state = { hovered: null, selected: null, time: filtration.conceptTime ?? 1, colouring: "concept" };
+const state = { hovered: null, selected: null, time: isBusiest ? filtration.conceptTime ?? 1 : 1, colouring: "concept" };
 const listeners = [];
 let isDrawing = false;
 function onChange(listener) { listeners.push(listener); }

@@ -51,9 +51,9 @@ function timelineFigure() {
     element("figcaption", { textContent:
       `Above: how many classes are annexed in each step of time. ${stopText()}`
       + "Below, one bar for each scan (persistent homology calls it the barcode of H₀): it lasts until its class is "
-      + "annexed by a larger one" + (isBusiest ? ". Long bars are groups that hold their own." : "; those with an arrow are left in the end.")
+      + "annexed by a larger one" + (isBusiest ? ". Long bars are groups that hold their own." : "; those with an arrow are the concepts.")
       + (isCrowded ? " Their rows widen downwards, for those that last." : "")
-      + (isRatio ? " The axis of time is logarithmic: equal distances are equal ratios of time." : "") }));
+      + (isOdds ? " Time is the mean divergence of two groups that join, from 0, the same, to 1, nothing in common; its axis is that of odds." : "") }));
 }
 
 // What makes the concepts.
@@ -63,9 +63,9 @@ function stopText() {
     return time === null ? "" : `The concepts are taken at ε_max = ${shownTime(time)}, the busiest step of all `
       + "those that leave at least two concepts and none with more than half of the scans. ";
   }
-  return `Two groups join only if their scans are each other's nearest often enough; ${nRefused ? `${nRefused} of `
-    + `${plural(nRefused + filtration.times.length, "annexation")} ${nRefused === 1 ? "was" : "were"} refused (the marks on the line)` : "no annexation was refused"}. `
-    + (concepts.length ? `What is left in the end ${concepts.length === 1 ? "is the concept" : "are the concepts"}. ` : "");
+  return "Two groups are two concepts if there is a gap between them that chance does not explain, and their scans have "
+    + `on average less than ${(100 * filtration.granularity).toFixed(0)} % in common; `
+    + (nBetween ? `${plural(nBetween, "annexation")} ${nBetween === 1 ? "is" : "are"} between such groups (the marks on the line). ` : "no annexation is between such groups. ");
 }
 
 function drawTimeline(canvas) {
@@ -84,7 +84,7 @@ function drawTimeline(canvas) {
     context.fillText(text, x(time), top + barHeight() + 14);
     context.fillRect(Math.round(x(time)), top + barHeight() + 2, 1, 4);
   }
-  context.fillText(isRatio ? "time (logarithmic)" : "time", (LEFT + width - RIGHT) / 2, top + barHeight() + 29);
+  context.fillText(isOdds ? "time (mean divergence)" : "time", (LEFT + width - RIGHT) / 2, top + barHeight() + 29);
   context.textAlign = "right";
   let free = 0;
   for (const left of [nVertices, ...[1000, 500, 200, 100, 50, 20, 10, 5].filter((n) => n < nVertices)]) {
@@ -119,7 +119,7 @@ function drawCurve(context, x) {
   context.lineTo(x(1), CURVE + 0.5);
   context.stroke();
   context.fillStyle = ACCENT;
-  for (const time of filtration.refusedTimes) {
+  for (const time of filtration.timesBetween) {
     context.beginPath();
     context.moveTo(x(time), CURVE - 1);
     context.lineTo(x(time) - 4, CURVE + 7);
