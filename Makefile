@@ -40,7 +40,7 @@ wheel-check:
 KERNEL_TESTS = $(addprefix tests/,test_far_away.py test_neighbours.py test_preparation_*.py \
 	test_segmentation_border_settling.py test_segmentation_creases.py test_segmentation_linkage.py \
 	test_segmentation_region_merging.py test_segmentation_supervoxels.py test_descriptors_*.py test_topology_*.py \
-	test_concepts_mixing.py motifs/test_motif_reference.py motifs/test_prototype_stimuli.py)
+	test_concepts_dip.py test_concepts_tree.py motifs/test_motif_reference.py motifs/test_prototype_stimuli.py)
 
 test-bounds: $(VENV)/installed-test
 	@NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=$(abspath $(VENV))/checked-kernels $(BIN)/python -m pytest --quiet $(KERNEL_TESTS)
