@@ -1,4 +1,4 @@
-"""Takes docs/images/report.png and report_figures.png from a report that `shapeconcepts learn` wrote.
+"""Takes the pictures report*.png and concept_tree.png in docs/images from a report that `learn` wrote.
 
 python docs/report_pictures.py REPORT.html   # needs playwright, and a Chromium on the path
 """
@@ -36,4 +36,5 @@ if __name__ == "__main__":
         first, last = page.locator(".controls").bounding_box(), page.locator("canvas.timeline").bounding_box()
         upper, lower = first["y"] - top["y"] - 8, last["y"] + last["height"] - top["y"] + 8
         save(page.locator("#how").screenshot(), "report_figures.png", (16, int(upper), 1184, int(lower)))
+        save(page.locator("svg.granularity").screenshot(), "concept_tree.png")
         browser.close()

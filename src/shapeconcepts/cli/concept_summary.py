@@ -106,9 +106,10 @@ def other_cuts_in_words(model: ShapeConceptModel) -> str:
         return ""
     # Just beyond each place where the cut changes.
     changes = [round(1.01 * change, 3) for change in tree.granularities.tolist()]
-    numbers = {g: len(model.concepts_at(g)) for g in changes if g <= 1}
-    coarser = [f"{n} at {g:g}" for g, n in numbers.items() if 1 < n < len(model.concepts_)]
-    finer = [f"{n} at {g:g}" for g, n in numbers.items() if n > len(model.concepts_)]
+    of_number = {len(model.concepts_at(g)): g for g in reversed(changes) if g <= 1}
+    cuts = sorted(of_number.items())
+    coarser = [f"{n} at {g:g}" for n, g in cuts if 1 < n < len(model.concepts_)]
+    finer = [f"{n} at {g:g}" for n, g in cuts if n > len(model.concepts_)]
     shown = coarser[-_CUTS_SHOWN:] + finer[:_CUTS_SHOWN]
     return f"Granularity {granularity:.3f}" + (f"; other cuts: {', '.join(shown)}" if shown else "")
 
