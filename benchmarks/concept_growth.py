@@ -28,13 +28,13 @@ SIZES = (66, 200, 600, 2000)
 
 
 def described_scans(seed: int, n_per_category: int) -> dict[str, list]:
-    """Described scans of each category; those that nothing can be seen of are left out."""
+    """Described scans of each category; an object of which nothing can be seen is left out."""
     described = {}
     for category in CATEGORIES:
         described[category] = []
         for index in range(n_per_category):
-            scan = datasets.simulate_scan(category, index, random_state=seed)
             try:
+                scan = datasets.simulate_scan(category, index, random_state=seed)
                 described[category].append(describe(segment(scan)))
             except ScanError:
                 continue

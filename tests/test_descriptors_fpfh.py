@@ -51,7 +51,7 @@ def hangs_on_rounding(points, normals):
                 11 * (alpha + 1) / 2,
                 11 * (phi + 1) / 2,
             ):
-                if 0 < round(position) < 11 and abs(position - round(position)) < 1e-5:
+                if 0 < round(position) < 11 and abs(position - round(position)) < 4e-5:
                     return True
     return False
 

@@ -82,7 +82,8 @@ def test_contents_say_what_the_model_learned(tmp_path):
     assert contents["scans"]["vertices"][7] == -1
     assert contents["scans"]["previews"][5] is None and len(contents["scans"]["previews"][0]) <= 160
     assert contents["filtration"]["conceptTime"] == 1.0
-    assert sum(contents["filtration"]["stepCounts"]) == len(contents["filtration"]["edges"])
+    n_edges = len(contents["filtration"]["edges"]) + len(contents["filtration"]["edgesBetween"])
+    assert sum(contents["filtration"]["stepCounts"]) == n_edges
 
 
 @pytest.mark.parametrize("kind", WITHOUT_CONCEPTS)

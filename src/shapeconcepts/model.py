@@ -68,8 +68,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         Labels are those that came with the training scans. Nothing is learned from them.
     skipped_ : dict of int to str
         Training scans that could not be described, with the reason.
-    n_features_in_ : int
-        3: the coordinates of a point.
+    n_features_in_ : int (3, the coordinates of a point)
 
     Examples
     --------
@@ -239,7 +238,8 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         ScanWarning
             If a scan cannot be described.
         """
-        return self.response_.transform(self.stimuli(X))
+        stimuli = self.stimuli(X)
+        return self.response_.transform(stimuli)
 
     def predict(self, X: Iterable[object]) -> NDArray[np.int64]:
         """Concept whose nearest training scans are nearest on average, -1 for a scan unlike all.
@@ -251,7 +251,8 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         (m,) int64
             Position in `concepts_`, or -1.
         """
-        return self.response_.predict(self.stimuli(X))
+        stimuli = self.stimuli(X)
+        return self.response_.predict(stimuli)
 
     def explain(self, scan: object) -> Explanation:
         """Which motifs a scan fires, how strongly, and which training scans they come from.
@@ -286,9 +287,9 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         check_is_fitted(self, "response_")
         filtration = self.filtration_.at_granularity(granularity)
         response = clone(self.response_).fit(self.stimuli_, filtration.labels_)
-        state = {name: getattr(self, f"{name}_") for name in ModelState._fields}
-        state.update(filtration=filtration, response=response)
-        return ShapeConceptModel(**self.get_params(deep=False))._remember(ModelState(**state))
+        state = ModelState(*(getattr(self, f"{name}_") for name in ModelState._fields))
+        other = ShapeConceptModel(**self.get_params(deep=False))
+        return other._remember(state._replace(filtration=filtration, response=response))
 
     def segment(self, scan: object) -> SegmentedObject:
         """Segments of a scan, cut as by this model; see `Segmenter.segment`."""
