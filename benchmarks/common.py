@@ -49,6 +49,17 @@ def scans_in(parser: ArgumentParser, folder: Path) -> list[Scan]:
         parser.error(str(error))
 
 
+def simulated_scans(category: str, n: int, seed: int) -> list[Scan]:
+    """The first n simulated scans of a category, but for objects of which next to nothing is ever visible."""
+    scans = []
+    for index in range(n):
+        try:
+            scans.append(datasets.simulate_scan(category, index, random_state=seed))
+        except ScanError:
+            continue
+    return scans
+
+
 def labelled_scans(parser: ArgumentParser, name: str) -> list[Scan]:
     """Scans of one of the shared data sets by its folder's name, or "simulated", with labels of shapes."""
     if name == "simulated":

@@ -18,8 +18,8 @@ import warnings
 
 import numpy as np
 
-from common import command, print_table
-from shapeconcepts import ScanError, ShapeConceptModel, datasets, describe, segment
+from common import command, print_table, simulated_scans
+from shapeconcepts import DescribedObject, ScanError, ShapeConceptModel, describe, segment
 from shapeconcepts.evaluation import grouping_scores
 from shapeconcepts.simulation.categories import CATEGORIES
 
@@ -27,18 +27,14 @@ SEEDS = (400, 401, 402)
 SIZES = (66, 200, 600, 2000)
 
 
-def described_scans(seed: int, n_per_category: int) -> dict[str, list]:
-    """Described scans of each category; an object of which nothing can be seen is left out."""
-    described = {}
-    for category in CATEGORIES:
-        described[category] = []
-        for index in range(n_per_category):
-            try:
-                scan = datasets.simulate_scan(category, index, random_state=seed)
-                described[category].append(describe(segment(scan)))
-            except ScanError:
-                continue
-    return described
+def described_scans(category: str, n: int, seed: int) -> list[DescribedObject]:
+    found = []
+    for scan in simulated_scans(category, n, seed):
+        try:
+            found.append(describe(segment(scan)))
+        except ScanError:
+            continue
+    return found
 
 
 def main() -> None:
@@ -49,7 +45,7 @@ def main() -> None:
     warnings.simplefilter("ignore")
     table = []
     for seed in options.seeds:
-        described = described_scans(seed, max(options.sizes))
+        described = {category: described_scans(category, max(options.sizes), seed) for category in CATEGORIES}
         for size in sorted(options.sizes):
             objects = [one for of_category in described.values() for one in of_category[:size]]
             labels = np.array([one.label for one in objects])

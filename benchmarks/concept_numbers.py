@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from common import SHARED_DATA, command, print_table
+from common import SHARED_DATA, command, print_table, simulated_scans
 from shapeconcepts import (
     DescribedObject,
     Scan,
@@ -85,9 +85,9 @@ def unequal_kinds(n_draws: int) -> None:
     for draw in range(n_draws):
         kinds = np.random.default_rng(draw).permutation(CATEGORIES)[: len(COUNTS)]
         scans = [
-            datasets.simulate_scan(str(kind), index, random_state=10_000 + draw)
+            scan
             for kind, n in zip(kinds, COUNTS, strict=True)
-            for index in range(n)
+            for scan in simulated_scans(str(kind), n, 10_000 + draw)
         ]
         model, labels = learned(described(scans))
         of_concept = [labels[concept.members] for concept in model.concepts_]
