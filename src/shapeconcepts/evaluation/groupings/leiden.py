@@ -23,8 +23,8 @@ from shapeconcepts.evaluation.libraries import check_libraries
 
 # From a few communities of hundreds of objects to dozens.
 _RESOLUTIONS = tuple((2.0 ** np.arange(-3, 6.5, 0.5)).tolist())
-# After these, next to nothing moves.
-_ITERATIONS = 10
+# As often as leidenalg goes over a graph; next to nothing moves after that.
+_ITERATIONS = 2
 
 
 def leiden(
