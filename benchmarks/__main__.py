@@ -22,6 +22,7 @@ COMMANDS = (
     "growth.py",
     "discrimination.py",
     "baselines.py",
+    "rivals.py",
     "stimuli_ablation.py --repeats 2",
     "concept_quality.py",
     "concept_ablation.py",

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common import command, labelled_scans, print_table
-from shapeconcepts import segment
+from shapeconcepts import describe, segment
 from shapeconcepts.evaluation import (
     Grouping,
     TopicModel,
@@ -29,7 +29,9 @@ from shapeconcepts.evaluation import (
     point_histograms,
     stratified_splits,
     svm_errors,
+    whole_object_rows,
 )
+from shapeconcepts.evaluation.baselines import WHOLE_OBJECT
 
 SETS = ("seven_shapes", "restaurant_views", "osd_learn", "simulated")
 TITLES = ("groups", "purity", "pure", "coverage", "explained", "AMI", "B-cubed F1")
@@ -39,8 +41,8 @@ def chosen(groupings: list[Grouping]) -> str:
     """Smallest and largest value of each parameter over splits."""
     texts = []
     for name in groupings[0].parameters:
-        values = sorted({int(one.parameters[name]) for one in groupings})
-        texts.append(f"{name} {values[0]}" + (f" to {values[-1]}" if len(values) > 1 else ""))
+        values = sorted({one.parameters[name] for one in groupings})
+        texts.append(f"{name} {values[0]:.3g}" + (f" to {values[-1]:.3g}" if len(values) > 1 else ""))
     return ", ".join(texts)
 
 
@@ -79,6 +81,7 @@ def main() -> None:
         labels = np.array([scan.label for scan in scans])
         segmented = [segment(scan) for scan in scans]
         rows_by_name = baseline_rows(segmented)
+        rows_by_name[WHOLE_OBJECT] = whole_object_rows([describe(one) for one in segmented])
         points = [point_histograms(one) for one in segmented]
         results = Results()
         splits = stratified_splits(labels, options.repeats, random_state=0)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 
 from shapeconcepts import (
@@ -23,6 +24,7 @@ from shapeconcepts.descriptors.registry import DEFAULT
 # Folders of restaurant_views that hold another shape than their name says.
 RESTAURANT_SHAPES = {"cocacola": "can", "milk": "carton", "yogurt": "carton", "fork": "cutlery"}
 SHARED_DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
+VIEWS_OF_A_MESH = 4
 
 
 def command(description: str) -> ArgumentParser:
@@ -64,8 +66,24 @@ def labelled_scans(parser: ArgumentParser, name: str) -> list[Scan]:
     """Scans of one of the shared data sets by its folder's name, or "simulated", with labels of shapes."""
     if name == "simulated":
         return datasets.simulate(n_per_category=66, random_state=100)
+    if name == "household_meshes":
+        return views_of_meshes(SHARED_DATA / name)
     scans = scans_in(parser, SHARED_DATA / name)
     return [replace(scan, label=RESTAURANT_SHAPES.get(scan.label, scan.label)) for scan in scans]
+
+
+def views_of_meshes(folder: Path) -> list[Scan]:
+    """Four simulated scans of each mesh in the folders of a folder, from random sides."""
+    scans = []
+    for number, path in enumerate(sorted(folder.glob("*/*.ply"))):
+        mesh = trimesh.load(path, process=False, force="mesh")
+        for view in range(VIEWS_OF_A_MESH):
+            rng = np.random.default_rng((number, view))
+            name, label = f"{path.stem}_{view}", path.parent.name
+            scans.append(
+                datasets.scan_mesh(mesh.vertices, mesh.faces, random_state=rng, name=name, label=label)
+            )
+    return scans
 
 
 def ensembles() -> dict[str, tuple[str, MotifHierarchyEnsemble]]:

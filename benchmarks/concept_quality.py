@@ -61,7 +61,9 @@ from shapeconcepts.evaluation import (
     most_groups,
     point_histograms,
     stratified_splits,
+    whole_object_rows,
 )
+from shapeconcepts.evaluation.baselines import WHOLE_OBJECT
 from shapeconcepts.evaluation.splits import Split
 from shapeconcepts.topology import jensen_shannon_divergences
 
@@ -96,6 +98,7 @@ def best_baselines(
 ) -> list[str]:
     """Best median of explained and of adjusted mutual information among all groupings, each with its name."""
     rows_by_name = baseline_rows(segmented)
+    rows_by_name[WHOLE_OBJECT] = whole_object_rows([describe(one) for one in segmented])
     points = [point_histograms(one) for one in segmented]
     reached: dict[str, list[tuple[float, float]]] = {}
     for training, _ in splits:

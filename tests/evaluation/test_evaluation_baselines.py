@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_matrix
 from sklearn.metrics import adjusted_rand_score
 
 from shapeconcepts import datasets, describe, segment
@@ -16,8 +17,11 @@ from shapeconcepts.evaluation import (
     grouping_baselines,
     grouping_scores,
     point_histograms,
+    point_nn,
     svm_errors,
+    whole_object_rows,
 )
+from shapeconcepts.evaluation.libraries import GROUPING_LIBRARIES
 
 
 @pytest.fixture(scope="module")
@@ -41,14 +45,23 @@ def test_rows_are_those_of_whole_objects(objects) -> None:
         "mean FPFH": (28, 33),
         "surflet": (28, 135),
         "ESF": (28, 640),
+        "Point-NN": (28, 1152),
     }
     for matrix in rows.values():
+        assert (matrix >= 0).all()
         assert matrix.sum(axis=1) == pytest.approx(1)
     one = objects[3]
     of_points = compute_fpfh(one.points, one.normals, 0.03)[one.segment_labels >= 0].sum(axis=0)
     assert rows["mean FPFH"][3] == pytest.approx(of_points / of_points.sum())
     assert np.array_equal(rows["surflet"][3], describe(one, "surflet").description.whole())
     assert np.array_equal(rows["ESF"][3], ensemble_of_shape_functions(one.points))
+    assert np.array_equal(rows["Point-NN"][3], point_nn(one.points))
+
+
+def test_whole_objects_are_constellations_of_all_segments(objects) -> None:
+    described = [describe(one) for one in objects[:3]]
+    everything = [one.description.histograms([2**one.n_segments - 1])[0] for one in described]
+    assert np.array_equal(whole_object_rows(described), everything)
 
 
 def test_every_method_groups_by_every_choice(objects) -> None:
@@ -56,15 +69,31 @@ def test_every_method_groups_by_every_choice(objects) -> None:
     rows = baseline_rows(objects)["surflet"]
     groupings = grouping_baselines(rows, 9)
     assert list(groupings) == [
-        f"{method}, {choice}"
-        for method in ("k-means", "average linkage", "HDBSCAN", "ToMATo")
-        for choice in ("silhouette", "most groups")
+        *(
+            f"{method}, {choice}"
+            for method in ("k-means", "average linkage", "HDBSCAN", "ToMATo", "Leiden")
+            for choice in ("silhouette", "most groups")
+        ),
+        "PLSCAN",
+        "our filtration",
     ]
+    ours = groupings.pop("our filtration")
+    assert ours.labels.shape == (28,)
     for grouping in groupings.values():
         assert grouping.labels.shape == (28,)
         assert grouping.n_groups <= 9
         assert grouping.parameters
     assert grouping_scores(groupings["k-means, most groups"].labels, labels).explained > 0.7
+
+
+def test_stimuli_are_grouped_as_they_are(objects) -> None:
+    """Sparse, of any length, and with rows that are empty."""
+    rows = baseline_rows(objects)["surflet"]
+    rows[5] = 0
+    lengths = np.random.default_rng(0).uniform(0.1, 9, (28, 1))
+    expected = grouping_baselines(rows, 5)
+    for name, grouping in grouping_baselines(csr_matrix(rows * lengths), 5).items():
+        assert adjusted_rand_score(grouping.labels, expected[name].labels) == 1
 
 
 def test_topics_find_kinds_that_share_no_words() -> None:
@@ -110,10 +139,10 @@ def test_unsuitable_documents_are_refused() -> None:
         TopicModel(0).fit(documents()[0])
 
 
-def test_gudhi_is_imported_only_when_it_groups() -> None:
-    program = "import sys, shapeconcepts.evaluation; print('gudhi' in sys.modules)"
+def test_libraries_are_imported_only_when_they_group() -> None:
+    program = f"import sys, shapeconcepts.evaluation; print(*(set(sys.modules) & {set(GROUPING_LIBRARIES)}))"
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert run.stdout.strip() == "False"
+    assert run.stdout.strip() == ""
 
 
 def test_topics_tell_real_boxes_from_real_cans(shared_data) -> None:

@@ -233,17 +233,30 @@ def test_scores_that_are_no_numbers_leave_gaps():
     assert figure.axes[0].get_yticklabels()[-1].get_text() == f"{empty.representation}, {empty.grouping}"
 
 
-def test_baselines_stand_in_the_order_of_what_they_explain():
+def test_baselines_stand_in_the_order_of_their_information():
     evaluation = examples.evaluation()
     axes = draw_baseline_comparison(evaluation.baselines, evaluation.selections).axes[0]
     middles = [float(line.get_xdata()[0]) for line in axes.lines if len(line.get_xdata()) == 1]
     assert middles == sorted(middles, reverse=True)
-    expected = np.median([one.explained for one in evaluation.selections[0].scores])
+    expected = np.median([one.adjusted_mutual_information for one in evaluation.selections[0].scores])
     (at,) = [
         i for i, text in enumerate(axes.get_yticklabels()) if text.get_text() == "shapeconcepts, default"
     ]
     assert middles[at] == pytest.approx(expected)
     assert axes.get_yticklabels()[at].get_fontweight() == "bold"
+
+
+def test_no_more_baselines_than_fit_on_a_page_are_drawn():
+    evaluation = examples.evaluation()
+    many = [
+        replace(evaluation.baselines[0], grouping=f"number {i}", scores=[examples.scores(i / 100)])
+        for i in range(60)
+    ]
+    axes = draw_baseline_comparison(many, evaluation.selections).axes
+    names = [text.get_text() for text in axes[0].get_yticklabels()]
+    assert names[:2] == ["shapeconcepts, default", "shapeconcepts, paper"]
+    assert names[2:] == [f"{many[0].representation}, number {i}" for i in range(59, 35, -1)]
+    assert [one.get_title("left") for one in axes] == ["information", "B-cubed F1", "objects explained (%)"]
 
 
 def test_cells_of_a_matrix_hold_its_numbers():

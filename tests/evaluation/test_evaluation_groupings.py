@@ -10,10 +10,10 @@ from scipy.spatial.distance import cdist
 from sklearn.cluster import HDBSCAN, AgglomerativeClustering, KMeans
 from sklearn.metrics import adjusted_rand_score, silhouette_score
 
-from shapeconcepts.evaluation import average_linkage, hdbscan, k_means, most_groups, tomato
+from shapeconcepts.evaluation import average_linkage, hdbscan, k_means, leiden, most_groups, tomato
 from shapeconcepts.evaluation.groupings.grouping import mean_silhouette, without_small_groups
 
-ON_DISTANCES = (average_linkage, hdbscan, tomato)
+ON_DISTANCES = (average_linkage, hdbscan, tomato, leiden)
 CHOICES = ("silhouette", "most groups")
 every_method = pytest.mark.parametrize("method", ON_DISTANCES)
 every_choice = pytest.mark.parametrize("choice", CHOICES)

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,8 @@ import pytest
 from typer.testing import CliRunner
 
 from shapeconcepts.cli import app
-from shapeconcepts.evaluation import evaluate, tomato
+from shapeconcepts.evaluation import evaluate, leiden, plscan, tomato
+from shapeconcepts.evaluation.groupings import Grouping
 from shapeconcepts.evaluation.libraries import LIBRARIES, check_libraries
 
 REMEDY = "not installed: pip install 'shapeconcepts[evaluation]'"
@@ -30,18 +32,24 @@ def test_the_command_says_so_before_any_work(missing: str, tmp_path: Path) -> No
 
 
 def test_all_that_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in LIBRARIES:
+    for name in ("gudhi", "matplotlib"):
         monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(ModuleNotFoundError, match=f"needs gudhi and matplotlib, which are {REMEDY[:13]}"):
         check_libraries(*LIBRARIES)
 
 
-def test_functions_say_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "gudhi", None)
-    with pytest.raises(ModuleNotFoundError, match="needs gudhi, which is not installed: pip install"):
+@pytest.mark.parametrize(
+    ("library", "method"),
+    [("gudhi", tomato), ("graspologic_native", leiden), ("fast_hdbscan", plscan)],
+)
+def test_functions_say_so(
+    library: str, method: Callable[..., Grouping], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(ModuleNotFoundError, match=f"needs {library}, which is not installed: pip install"):
         evaluate([])
-    with pytest.raises(ModuleNotFoundError, match="needs gudhi, which is not installed: pip install"):
-        tomato(1.0 - np.eye(6), 2)
+    with pytest.raises(ModuleNotFoundError, match=f"needs {library}, which is not installed: pip install"):
+        method(1.0 - np.eye(6), 2)
 
 
 def test_the_report_says_so() -> None:

@@ -1,4 +1,4 @@
-"""Unsupervised selection, the number of levels, and baselines on the same splits."""
+"""Unsupervised selection, and the number of levels."""
 
 import os
 
@@ -10,8 +10,7 @@ from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
 
 import shapeconcepts
-from shapeconcepts.evaluation import most_groups, stratified_splits
-from shapeconcepts.evaluation.experiments.baseline_comparison import baseline_comparison
+from shapeconcepts.evaluation import stratified_splits
 from shapeconcepts.evaluation.experiments.levels import number_of_levels
 from shapeconcepts.evaluation.experiments.unsupervised import select, unsupervised_selection
 from shapeconcepts.evaluation.labelled_objects import run
@@ -120,25 +119,3 @@ def test_levels_are_the_preset_with_other_levels() -> None:
             assert scores[repetition] == expected.scores
             assert errors[repetition] == pytest.approx(np.mean(list(expected.errors.values())))
     assert result.scores[0] != result.scores[1]
-
-
-def test_baselines_are_scored_on_the_same_splits() -> None:
-    shown = []
-
-    def progress(items, total, description):
-        shown.append((description, total))
-        return items
-
-    groupings, classifications = baseline_comparison(OBJECTS, SPLITS, progress=progress)
-    representations = ["mean FPFH", "surflet", "ESF", "bag of FPFH words"]
-    assert [row.representation for row in classifications] == representations
-    assert len({(row.representation, row.grouping) for row in groupings}) == len(groupings) == 3 * 8 + 1
-    most = most_groups(len(SPLITS[0][0]))
-    for row in groupings:
-        assert len(row.scores) == len(row.parameters) == 2
-        assert all(scores.n_groups <= most for scores in row.scores)
-    for row in classifications:
-        assert {label: len(errors) for label, errors in row.errors.items()} == dict.fromkeys(
-            ["ball", "box", "can"], 2
-        )
-    assert [total for _, total in shown] == [36, 6, 2]

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     )
 
 _NOTHING = "-"
+_MOST_BASELINES = 24
 _SCORE_TITLES = ("groups", "purity", "pure", "coverage", "explained", "AMI", "B³ F1")
 
 
@@ -42,6 +43,7 @@ def print_evaluation(evaluation: Evaluation) -> None:
 
 def _print_groupings(evaluation: Evaluation) -> None:
     from shapeconcepts.evaluation.paper import PAPER
+    from shapeconcepts.evaluation.report.verdict import verdict
 
     _title("Groups found without labels")
     rows = [
@@ -57,13 +59,15 @@ def _print_groupings(evaluation: Evaluation) -> None:
             *[_NOTHING] * (len(_SCORE_TITLES) - 3),
         ]
     )
-    best_first = sorted(evaluation.baselines, key=_explained, reverse=True)
+    best_first = sorted(evaluation.baselines, key=_information, reverse=True)[:_MOST_BASELINES]
     rows += [[f"{row.representation}, {row.grouping}", *_scores(row.scores)] for row in best_first]
     print_table(["groups by", *_SCORE_TITLES], rows)
     tell(
         "explained: share of all objects in a group whose majority label is theirs. AMI: adjusted mutual "
-        "information. Baselines by what they explain. Medians over the repetitions."
+        f"information. The {len(best_first)} of {len(evaluation.baselines)} baselines with the largest AMI; "
+        "--report and --json have all. Medians over the repetitions."
     )
+    tell(verdict(evaluation))
 
 
 def _print_errors(evaluation: Evaluation) -> None:
@@ -151,8 +155,8 @@ def _scores(scores: Sequence[GroupingScores]) -> list[str]:
     ]
 
 
-def _explained(row: BaselineRow) -> float:
-    return float(np.median([one.explained for one in row.scores]))
+def _information(row: BaselineRow) -> float:
+    return float(np.median([one.adjusted_mutual_information for one in row.scores]))
 
 
 def _error_row(name: str, errors: dict[str, list[float]], labels: Sequence[str]) -> list[str]:

@@ -4,7 +4,7 @@
 """
 
 from shapeconcepts.evaluation.bag_of_words import TopicModel, point_histograms
-from shapeconcepts.evaluation.baselines import baseline_rows, grouping_baselines
+from shapeconcepts.evaluation.baselines import baseline_rows, grouping_baselines, whole_object_rows
 from shapeconcepts.evaluation.classification import svm_errors, svm_predictions
 from shapeconcepts.evaluation.ensemble_of_shape_functions import ensemble_of_shape_functions
 from shapeconcepts.evaluation.evaluate import evaluate
@@ -13,7 +13,10 @@ from shapeconcepts.evaluation.groupings import (
     average_linkage,
     hdbscan,
     k_means,
+    leiden,
     most_groups,
+    our_filtration,
+    plscan,
     tomato,
 )
 from shapeconcepts.evaluation.metrics import (
@@ -24,6 +27,7 @@ from shapeconcepts.evaluation.metrics import (
     rank_score,
 )
 from shapeconcepts.evaluation.paper import PAPER
+from shapeconcepts.evaluation.point_nn import point_nn
 from shapeconcepts.evaluation.results import Evaluation
 from shapeconcepts.evaluation.splits import stratified_splits
 
@@ -41,13 +45,18 @@ __all__ = [
     "grouping_scores",
     "hdbscan",
     "k_means",
+    "leiden",
     "mean_error_over_labels",
     "most_groups",
+    "our_filtration",
+    "plscan",
     "point_histograms",
+    "point_nn",
     "purity",
     "rank_score",
     "stratified_splits",
     "svm_errors",
     "svm_predictions",
     "tomato",
+    "whole_object_rows",
 ]

@@ -1,4 +1,4 @@
-"""What our groups and features are measured against: histograms of whole objects, grouped as usual."""
+"""What our groups and features are measured against: rows of whole objects, grouped as usual."""
 
 from __future__ import annotations
 
@@ -6,17 +6,35 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import sparray, spmatrix
 
-from shapeconcepts.descriptors import describe
+from shapeconcepts.descriptors import DescribedObject, describe
 from shapeconcepts.evaluation.ensemble_of_shape_functions import ensemble_of_shape_functions
-from shapeconcepts.evaluation.groupings import Grouping, average_linkage, hdbscan, k_means, tomato
+from shapeconcepts.evaluation.groupings import (
+    Grouping,
+    average_linkage,
+    hdbscan,
+    k_means,
+    leiden,
+    our_filtration,
+    plscan,
+    tomato,
+)
 from shapeconcepts.evaluation.groupings.grouping import CHOICES
+from shapeconcepts.evaluation.point_nn import point_nn
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 from shapeconcepts.topology import jensen_shannon_divergences
+from shapeconcepts.topology.divergence import normalised_rows
+
+WHOLE_OBJECT = "whole object"
+STIMULI = "motif stimuli"
+OUR_FILTRATION = "our filtration"
+
+_METHODS = {"average linkage": average_linkage, "HDBSCAN": hdbscan, "ToMATo": tomato, "Leiden": leiden}
 
 
 def baseline_rows(objects: Sequence[SegmentedObject]) -> dict[str, NDArray[np.float64]]:
-    """Whole-object histograms of the same prepared points that motifs are made of.
+    """Whole-object features of the same prepared points that motifs are made of.
 
     Parameters
     ----------
@@ -26,42 +44,63 @@ def baseline_rows(objects: Sequence[SegmentedObject]) -> dict[str, NDArray[np.fl
     Returns
     -------
     dict of name to (n, b) float64
-        "mean FPFH" (33 bins), "surflet" (135) and "ESF" (640). Rows sum to 1, or are zero where an object has
-        too few points.
+        "mean FPFH" (33 bins), "surflet" (135), "ESF" (640) and "Point-NN" (1152). Rows are at least 0 and sum
+        to 1, or are zero where an object has too few points.
     """
     return {
-        "mean FPFH": np.stack([describe(one, "fpfh").description.whole() for one in objects]),
-        "surflet": np.stack([describe(one, "surflet").description.whole() for one in objects]),
+        "mean FPFH": whole_object_rows([describe(one, "fpfh") for one in objects]),
+        "surflet": whole_object_rows([describe(one, "surflet") for one in objects]),
         "ESF": np.stack([ensemble_of_shape_functions(one.points) for one in objects]),
+        "Point-NN": np.stack([point_nn(one.points) for one in objects]),
     }
 
 
-def grouping_baselines(rows: ArrayLike, max_groups: int) -> dict[str, Grouping]:
-    """Histograms grouped by the usual methods, each with two choices of its parameters without labels.
-
-    The silhouette stands for groups that are apart. The most groups that are allowed stand beside it because
-    the share of explained objects rises with the number of groups.
+def whole_object_rows(described: Sequence[DescribedObject]) -> NDArray[np.float64]:
+    """Histograms of all segments together: what motifs have before any dictionary and any constellation.
 
     Parameters
     ----------
-    rows : (n, b) array-like
-        Non-negative rows that sum to 1, at least two. k-means compares them by Hellinger's distance, the
-        others by the square root of the Jensen-Shannon divergence.
+    described : sequence of DescribedObject
+        At least one, all by the same descriptor.
+
+    Returns
+    -------
+    (n, b) float64
+        Rows sum to 1, or are zero where an object has too few points.
+    """
+    return np.stack([one.description.whole() for one in described])
+
+
+def grouping_baselines(rows: ArrayLike | spmatrix | sparray, max_groups: int) -> dict[str, Grouping]:
+    """Rows grouped by the usual methods, and by our filtration, all without labels.
+
+    Most methods leave something open. It is chosen twice: the silhouette stands for groups that are apart;
+    the most groups that are allowed stand beside it because the share of explained objects rises with the
+    number of groups. PLSCAN and our filtration choose by themselves.
+
+    Parameters
+    ----------
+    rows : (n, b) array-like or sparse matrix
+        Non-negative, at least two rows; only their directions count. k-means compares them by Hellinger's
+        distance, the others by the square root of the Jensen-Shannon divergence.
     max_groups : int
-        At least 2; see `most_groups`.
+        At least 2; see `most_groups`. Our filtration knows no limit.
 
     Returns
     -------
     dict of name to Grouping
-        Such as "k-means, silhouette" and "HDBSCAN, most groups".
+        Such as "k-means, silhouette", "HDBSCAN, most groups", "PLSCAN" and "our filtration".
     """
-    divergences = jensen_shannon_divergences(rows)
+    histograms = normalised_rows(rows, "rows")
+    divergences = jensen_shannon_divergences(histograms)
     # The two triangles differ in the last bit.
     distances = np.sqrt((divergences + divergences.T) / 2)
     np.fill_diagonal(distances, 0)
-    methods = {"average linkage": average_linkage, "HDBSCAN": hdbscan, "ToMATo": tomato}
-    groupings = {f"k-means, {choice}": k_means(rows, max_groups, choice) for choice in CHOICES}
-    for name, method in methods.items():
+    dense = histograms.toarray()
+    groupings = {f"k-means, {choice}": k_means(dense, max_groups, choice) for choice in CHOICES}
+    for name, method in _METHODS.items():
         for choice in CHOICES:
             groupings[f"{name}, {choice}"] = method(distances, max_groups, choice)
+    groupings["PLSCAN"] = plscan(distances, max_groups)
+    groupings[OUR_FILTRATION] = our_filtration(rows)
     return groupings

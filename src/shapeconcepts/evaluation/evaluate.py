@@ -15,7 +15,7 @@ from shapeconcepts.evaluation.experiments.levels import number_of_levels
 from shapeconcepts.evaluation.experiments.supervised import supervised_selection
 from shapeconcepts.evaluation.experiments.unsupervised import unsupervised_selection
 from shapeconcepts.evaluation.labelled_objects import Progress, check_labels, labelled_objects
-from shapeconcepts.evaluation.libraries import check_libraries
+from shapeconcepts.evaluation.libraries import GROUPING_LIBRARIES, check_libraries
 from shapeconcepts.evaluation.results import Evaluation
 from shapeconcepts.evaluation.splits import stratified_splits
 from shapeconcepts.model import PRESETS
@@ -82,9 +82,9 @@ def evaluate(
         If an object has no label, a label has fewer than four objects, there are not two labels, or a
         parameter is out of range.
     ModuleNotFoundError
-        If GUDHI is not installed, which comes with ``pip install 'shapeconcepts[evaluation]'``.
+        If a library of ``pip install 'shapeconcepts[evaluation]'`` is not installed.
     """
-    check_libraries("gudhi")
+    check_libraries(*GROUPING_LIBRARIES)
     check_integer("repetitions", repetitions, 1)
     seconds: dict[str, float] = {}
 
@@ -115,7 +115,9 @@ def evaluate(
     with timed("generalisation"):
         concept_map = generalisation(objects, others, presets[0], splits[0], random_state)
     with timed("baselines"):
-        baselines, classifications = baseline_comparison(objects, splits, n_jobs, progress, random_state)
+        baselines, classifications = baseline_comparison(
+            objects, presets[0], splits, n_jobs, progress, random_state
+        )
     return Evaluation(
         data_name=name,
         n_objects=len(objects.labels),

@@ -2,7 +2,8 @@
 
 from importlib.util import find_spec
 
-LIBRARIES = ("gudhi", "matplotlib")
+GROUPING_LIBRARIES = ("gudhi", "graspologic_native", "fast_hdbscan")
+LIBRARIES = (*GROUPING_LIBRARIES, "matplotlib")
 
 
 def check_libraries(*names: str) -> None:

@@ -1,4 +1,4 @@
-"""The usual groupings and features on the same splits: whole-object histograms, and a bag of words."""
+"""The usual groupings and features on the same splits: of whole objects, motif stimuli and a bag of words."""
 
 from __future__ import annotations
 
@@ -8,9 +8,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from shapeconcepts.descriptors import DescribedObject
 from shapeconcepts.evaluation.bag_of_words import TopicModel, point_histograms
-from shapeconcepts.evaluation.baselines import baseline_rows, grouping_baselines
+from shapeconcepts.evaluation.baselines import (
+    OUR_FILTRATION,
+    STIMULI,
+    WHOLE_OBJECT,
+    baseline_rows,
+    grouping_baselines,
+    whole_object_rows,
+)
 from shapeconcepts.evaluation.classification import svm_errors
+from shapeconcepts.evaluation.experiments.concept_responses import fit
 from shapeconcepts.evaluation.experiments.unsupervised import by_label
 from shapeconcepts.evaluation.groupings import Grouping, most_groups
 from shapeconcepts.evaluation.labelled_objects import LabelledObjects, Progress, run
@@ -24,15 +33,19 @@ TOPICS = "latent Dirichlet allocation"
 
 
 class Compared(NamedTuple):
-    """A representation in one repetition: its groupings by method, and the errors of an SVM on it."""
+    """A representation in one repetition: its groupings by method, and the errors of an SVM on it.
+
+    The errors are None where others have them.
+    """
 
     parameters: dict[str, dict[str, Any]]
     scores: dict[str, GroupingScores]
-    errors: dict[str, float]
+    errors: dict[str, float] | None
 
 
 def baseline_comparison(
     objects: LabelledObjects,
+    preset: str,
     splits: Sequence[Split],
     n_jobs: int | None = None,
     progress: Progress | None = None,
@@ -43,6 +56,8 @@ def baseline_comparison(
     Parameters
     ----------
     objects : LabelledObjects
+    preset : str
+        Whose descriptor gives the histograms of whole objects, and whose motifs the stimuli.
     splits : sequence of (training, test)
         Indices, one pair a repetition.
     n_jobs : int or None
@@ -50,16 +65,18 @@ def baseline_comparison(
     random_state : int
         Seed of the bag of words.
     """
-    described = run(
-        _whole_object, [(one,) for one in objects.segmented], n_jobs, progress, "Whole-object histograms"
-    )
-    rows = {name: np.concatenate([one[name] for one in described]) for name in described[0]}
-    tasks = [(of_objects, objects.labels, split) for of_objects in rows.values() for split in splits]
+    segmented, described, labels = objects.segmented, objects.described[preset], objects.labels
+    features = run(_features, [(one,) for one in segmented], n_jobs, progress, "Whole-object features")
+    rows = {name: np.concatenate([one[name] for one in features]) for name in features[0]}
+    rows[WHOLE_OBJECT] = whole_object_rows(described)
+    tasks = [(of_objects, labels, split) for of_objects in rows.values() for split in splits]
     compared = run(_compare, tasks, n_jobs, progress, "Baselines")
-    topic_tasks = [(objects.segmented, objects.labels, split, random_state) for split in splits]
+    stimuli_tasks = [(described, labels, split, preset) for split in splits]
+    compared += run(_compare_stimuli, stimuli_tasks, n_jobs, progress, "Baselines on stimuli")
+    topic_tasks = [(segmented, labels, split, random_state) for split in splits]
     compared += run(_compare_topics, topic_tasks, n_jobs, progress, "Bag of words")
     groupings, classifications = [], []
-    for number, representation in enumerate([*rows, BAG_OF_WORDS]):
+    for number, representation in enumerate([*rows, STIMULI, BAG_OF_WORDS]):
         repetitions = compared[number * len(splits) : (number + 1) * len(splits)]
         for method in repetitions[0].scores:
             groupings.append(
@@ -70,12 +87,13 @@ def baseline_comparison(
                     [one.scores[method] for one in repetitions],
                 )
             )
-        errors = by_label([one.errors for one in repetitions])
-        classifications.append(ClassificationRow(representation, errors))
+        errors = [one.errors for one in repetitions if one.errors is not None]
+        if errors:
+            classifications.append(ClassificationRow(representation, by_label(errors)))
     return groupings, classifications
 
 
-def _whole_object(segmented: SegmentedObject) -> dict[str, Floats]:
+def _features(segmented: SegmentedObject) -> dict[str, Floats]:
     return baseline_rows([segmented])
 
 
@@ -84,6 +102,17 @@ def _compare(rows: Floats, labels: NDArray[np.str_], split: Split) -> Compared:
     groupings = grouping_baselines(rows[training], most_groups(len(training)))
     errors = svm_errors(rows[training], labels[training], rows[test], labels[test], "histogram")
     return _compared(groupings, labels[training], errors)
+
+
+def _compare_stimuli(
+    described: Sequence[DescribedObject], labels: NDArray[np.str_], split: Split, preset: str
+) -> Compared:
+    training, _ = split
+    stimuli = fit([described[i] for i in training], preset).stimuli_
+    groupings = grouping_baselines(stimuli, most_groups(len(training)))
+    # Stimuli under the filtration, and a support vector machine on them, stand among ours.
+    del groupings[OUR_FILTRATION]
+    return _compared(groupings, labels[training], None)
 
 
 def _compare_topics(
@@ -98,7 +127,9 @@ def _compare_topics(
     return _compared({TOPICS: topics.grouping_}, labels[training], errors)
 
 
-def _compared(groupings: dict[str, Grouping], labels: NDArray[np.str_], errors: dict[str, float]) -> Compared:
+def _compared(
+    groupings: dict[str, Grouping], labels: NDArray[np.str_], errors: dict[str, float] | None
+) -> Compared:
     return Compared(
         {method: grouping.parameters for method, grouping in groupings.items()},
         {method: grouping_scores(grouping.labels, labels) for method, grouping in groupings.items()},

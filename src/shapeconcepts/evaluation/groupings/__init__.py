@@ -1,9 +1,22 @@
-"""The usual ways to group histograms, each with a choice of its parameters that looks at no label."""
+"""The usual ways to group histograms, and ours: the choice of their parameters looks at no label."""
 
 from shapeconcepts.evaluation.groupings.average_linkage import average_linkage
 from shapeconcepts.evaluation.groupings.grouping import Grouping, most_groups
 from shapeconcepts.evaluation.groupings.hdbscan import hdbscan
 from shapeconcepts.evaluation.groupings.k_means import k_means
+from shapeconcepts.evaluation.groupings.leiden import leiden
+from shapeconcepts.evaluation.groupings.our_filtration import our_filtration
+from shapeconcepts.evaluation.groupings.plscan import plscan
 from shapeconcepts.evaluation.groupings.tomato import tomato
 
-__all__ = ["Grouping", "average_linkage", "hdbscan", "k_means", "most_groups", "tomato"]
+__all__ = [
+    "Grouping",
+    "average_linkage",
+    "hdbscan",
+    "k_means",
+    "leiden",
+    "most_groups",
+    "our_filtration",
+    "plscan",
+    "tomato",
+]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +16,8 @@ MOST_GROUPS = 36
 OBJECTS_PER_GROUP = 8
 # How the number of groups is chosen where a method leaves it open.
 CHOICES = ("silhouette", "most groups")
+
+Key = TypeVar("Key", bound=Hashable)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +79,8 @@ def mean_silhouette(distances: NDArray[np.float64], labels: NDArray[np.int64]) -
 
 
 def best_candidate(
-    candidates: Mapping[int, NDArray[np.int64]], distances: NDArray[np.float64], choice: str
-) -> int:
+    candidates: Mapping[Key, NDArray[np.int64]], distances: NDArray[np.float64], choice: str
+) -> Key:
     """Key of the labels that are best by a criterion of `CHOICES`, the first of equal ones.
 
     These are the largest mean silhouette; or the most groups, and of those the most objects in groups.

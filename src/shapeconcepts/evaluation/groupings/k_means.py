@@ -54,6 +54,10 @@ def k_means(rows: ArrayLike, max_groups: int, choice: str = "silhouette", random
         return Grouping(np.zeros(len(points), np.int64), {"clusters": 1})
     candidates = range(2, most + 1) if choice == "silhouette" else [most]
     with libraries_in_one_thread():
+        if points.shape[1] > len(points):
+            # Distances are all that counts, and in the span of the rows they are the same.
+            axes, lengths, _ = np.linalg.svd(points, full_matrices=False)
+            points = axes * lengths
         clusterings = {
             k: KMeans(k, n_init=_STARTS, random_state=random_state).fit_predict(points) for k in candidates
         }

@@ -14,12 +14,16 @@ from shapeconcepts.evaluation.groupings.grouping import (
     checked_distances,
     without_small_groups,
 )
+from shapeconcepts.evaluation.groupings.neighbour_graph import (
+    NEIGHBOUR_COUNTS,
+    by_nearness,
+    neighbours_both_ways,
+)
 from shapeconcepts.evaluation.libraries import check_libraries
 
 if TYPE_CHECKING:
     from gudhi.clustering.tomato import Tomato
 
-_NEIGHBOUR_COUNTS = (4, 6, 8, 12, 16)
 # Smallest mean squared distance to the neighbours: equal rows are not infinitely dense.
 _SMALLEST_SPREAD = 1e-9
 
@@ -49,13 +53,13 @@ def tomato(distances: ArrayLike, max_groups: int, choice: str = "silhouette") ->
     """
     matrix = checked_distances(distances, max_groups)
     check_choice(choice)
-    by_nearness = np.argsort(matrix + np.diag(np.full(len(matrix), -1.0)), axis=1, kind="stable")[:, 1:]
+    nearest_first = by_nearness(matrix)
     last = len(matrix) - 1
-    counts = [k for k in _NEIGHBOUR_COUNTS if k <= last] or [last]
+    counts = [k for k in NEIGHBOUR_COUNTS if k <= last] or [last]
     candidates: dict[int, NDArray[np.int64]] = {}
     while not candidates:
         for k in counts:
-            labels = _labels(matrix, by_nearness[:, :k], max_groups, choice)
+            labels = _labels(matrix, nearest_first[:, :k], max_groups, choice)
             if labels.max() < max_groups:
                 candidates[k] = labels
         counts = [min(2 * counts[-1], last)]
@@ -73,21 +77,12 @@ def _labels(
     spreads = (np.take_along_axis(distances, neighbours, axis=1) ** 2).mean(axis=1)
     densities = -np.log(np.maximum(spreads, _SMALLEST_SPREAD))
     clusterer = Tomato(graph_type="manual", density_type="manual")
-    clusterer.fit(_both_ways(neighbours), weights=densities)
+    clusterer.fit(neighbours_both_ways(neighbours), weights=densities)
     if choice == "silhouette":
         clusterer.n_clusters_ = _number_of_peaks(clusterer, float(np.ptp(densities)), max_groups)
     else:
         clusterer.n_clusters_ = min(max_groups, clusterer.n_leaves_)
     return without_small_groups(clusterer.labels_, min_size=2)
-
-
-def _both_ways(neighbours: NDArray[np.int64]) -> list[list[int]]:
-    """Neighbours of each object in the graph that has an edge where one is among the nearest of the other."""
-    joined: list[set[int]] = [set(row.tolist()) for row in neighbours]
-    for one, row in enumerate(neighbours.tolist()):
-        for other in row:
-            joined[other].add(one)
-    return [sorted(row) for row in joined]
 
 
 def _number_of_peaks(clusterer: Tomato, density_range: float, max_groups: int) -> int:

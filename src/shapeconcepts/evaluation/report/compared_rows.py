@@ -34,13 +34,13 @@ class ComparedRow:
 def compared_rows(
     baselines: Sequence[BaselineRow], selections: Sequence[SelectionResult]
 ) -> list[ComparedRow]:
-    """All rows, those that explain most objects first; where two are equal, ours before baselines."""
+    """All rows, those with most information first; where two are equal, ours before baselines."""
     rows = [ComparedRow(f"shapeconcepts, {one.preset}", True, (), one.scores) for one in selections]
     rows += [
         ComparedRow(f"{one.representation}, {one.grouping}", False, one.parameters, one.scores)
         for one in baselines
     ]
-    return sorted(rows, key=lambda row: -np.nan_to_num(row.median("explained"), nan=-1.0))
+    return sorted(rows, key=lambda row: -np.nan_to_num(row.median("adjusted_mutual_information"), nan=-1.0))
 
 
 def smallest_median_largest(values: Sequence[float]) -> tuple[float, float, float]:

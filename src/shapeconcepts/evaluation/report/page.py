@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING
 
 from shapeconcepts.evaluation.report.compared_rows import compared_rows
 from shapeconcepts.evaluation.report.drawing import draw_all
-from shapeconcepts.evaluation.report.number_formats import NOTHING, mean_error, mean_of, percent, whole
+from shapeconcepts.evaluation.report.number_formats import (
+    NOTHING,
+    decimal,
+    mean_error,
+    mean_of,
+    percent,
+    whole,
+)
 from shapeconcepts.evaluation.report.sections import sections
 from shapeconcepts.io.atomic_write import write_atomically
 from shapeconcepts.printable import markup_bytes
@@ -75,7 +82,8 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
     (row,) = compared_rows([], [ours])
     facts = [
         (whole(row.median("n_groups")), "concepts"),
-        (percent(row.median("mean_purity")), "mean purity"),
+        (decimal(row.median("adjusted_mutual_information")), "mutual information"),
+        (decimal(row.median("b_cubed_f1")), "B-cubed F1"),
         (percent(row.median("explained")), "objects explained"),
         (percent(mean_of(mean_error(ours.errors))), "error of the SVM"),
     ]

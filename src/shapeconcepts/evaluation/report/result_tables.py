@@ -127,7 +127,7 @@ def error_table(
 
 
 def baseline_table(evaluation: Evaluation) -> str:
-    """Ours and the baselines, the best of each column in bold; those that explain most come first."""
+    """Ours and the baselines, the best of each column in bold; those with most information come first."""
     rows = compared_rows(evaluation.baselines, evaluation.selections)
     texts: list[list[Cell]] = []
     values = []

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from shapeconcepts.evaluation.paper import PAPER
 from shapeconcepts.evaluation.report.captions import captions
 from shapeconcepts.evaluation.report.inline_svg import inline_svg
+from shapeconcepts.evaluation.report.motif_gain import motif_gain_table, motif_gains
 from shapeconcepts.evaluation.report.number_formats import percent
 from shapeconcepts.evaluation.report.result_tables import (
     baseline_table,
@@ -130,6 +131,9 @@ def _baselines(evaluation: Evaluation) -> list[str]:
             f"<p><strong>{html.escape(verdict(evaluation))}</strong> {note}</p>",
             baseline_table(evaluation),
         ]
+        gains = motif_gains(evaluation)
+        if any(gains.values()):
+            parts += ["<h3>What the motifs add to whole-object histograms</h3>", motif_gain_table(gains)]
     if evaluation.classifications:
         rows = [(f"concept responses, {one.preset}", one.errors) for one in evaluation.selections]
         rows += [(row.representation, row.errors) for row in evaluation.classifications]
