@@ -76,6 +76,7 @@ def test_every_method_groups_by_every_choice(objects) -> None:
         ),
         "PLSCAN",
         "our filtration",
+        "our filtration, silhouette",
     ]
     ours = groupings.pop("our filtration")
     assert ours.labels.shape == (28,)

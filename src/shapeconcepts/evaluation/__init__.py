@@ -16,6 +16,7 @@ from shapeconcepts.evaluation.groupings import (
     leiden,
     most_groups,
     our_filtration,
+    our_filtration_by_silhouette,
     plscan,
     tomato,
 )
@@ -49,6 +50,7 @@ __all__ = [
     "mean_error_over_labels",
     "most_groups",
     "our_filtration",
+    "our_filtration_by_silhouette",
     "plscan",
     "point_histograms",
     "point_nn",

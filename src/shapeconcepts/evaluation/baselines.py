@@ -17,6 +17,7 @@ from shapeconcepts.evaluation.groupings import (
     k_means,
     leiden,
     our_filtration,
+    our_filtration_by_silhouette,
     plscan,
     tomato,
 )
@@ -76,7 +77,8 @@ def grouping_baselines(rows: ArrayLike | spmatrix | sparray, max_groups: int) ->
 
     Most methods leave something open. It is chosen twice: the silhouette stands for groups that are apart;
     the most groups that are allowed stand beside it because the share of explained objects rises with the
-    number of groups. PLSCAN and our filtration choose by themselves.
+    number of groups. PLSCAN chooses by itself. Our filtration
+    does so, too, but for rows of stimuli; of others the silhouette says where it is cut.
 
     Parameters
     ----------
@@ -103,4 +105,5 @@ def grouping_baselines(rows: ArrayLike | spmatrix | sparray, max_groups: int) ->
             groupings[f"{name}, {choice}"] = method(distances, max_groups, choice)
     groupings["PLSCAN"] = plscan(distances, max_groups)
     groupings[OUR_FILTRATION] = our_filtration(rows)
+    groupings[f"{OUR_FILTRATION}, silhouette"] = our_filtration_by_silhouette(rows, distances, max_groups)
     return groupings

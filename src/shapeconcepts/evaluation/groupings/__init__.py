@@ -5,7 +5,7 @@ from shapeconcepts.evaluation.groupings.grouping import Grouping, most_groups
 from shapeconcepts.evaluation.groupings.hdbscan import hdbscan
 from shapeconcepts.evaluation.groupings.k_means import k_means
 from shapeconcepts.evaluation.groupings.leiden import leiden
-from shapeconcepts.evaluation.groupings.our_filtration import our_filtration
+from shapeconcepts.evaluation.groupings.our_filtration import our_filtration, our_filtration_by_silhouette
 from shapeconcepts.evaluation.groupings.plscan import plscan
 from shapeconcepts.evaluation.groupings.tomato import tomato
 
@@ -17,6 +17,7 @@ __all__ = [
     "leiden",
     "most_groups",
     "our_filtration",
+    "our_filtration_by_silhouette",
     "plscan",
     "tomato",
 ]
