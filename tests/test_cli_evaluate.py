@@ -73,7 +73,7 @@ def test_json_has_every_figure(everything) -> None:
     assert len(document["levels"]["levels"]) == 6
     assert set(document["map"]["data_set"]) == {"mine, training", "mine, testing", "theirs"}
     assert set(document["map"]["nearest_region_right"]["theirs"]) == {"ball", "box", "can"}
-    assert len(document["baselines"]) == 72
+    assert len(document["baselines"]) == 78
     chosen = [row for row in document["baselines"] if row["grouping"] != "our filtration"]
     assert all(all(row["parameters"]) for row in chosen)
     assert document["command"].startswith("shapeconcepts")
