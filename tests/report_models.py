@@ -55,7 +55,7 @@ def model_of(
         warnings.simplefilter("ignore")
         model.filtration_ = Filtration(heat=heat, stop=stop).fit(model.stimuli_)
     model.concepts_ = model.filtration_.concepts_
-    model.concept_tree_ = getattr(model.filtration_, "concept_tree_", None)
+    model.concept_tree_ = model.filtration_.concept_tree_
     model.labels_ = model.filtration_.labels_
     return model
 

@@ -236,3 +236,13 @@ def test_degenerate(rows):
         filtration = Filtration().fit(rows)
     expected = {len(set(map(tuple, rows)))} if len(rows) / len(set(map(tuple, rows))) >= 3 else {0}
     assert {len(filtration.concepts_at(g)) for g in (0, 0.5, 1)} == expected
+
+
+def test_nothing_stays_of_the_fit_before():
+    rows, _ = bunches(0, [20, 20])
+    filtration = Filtration().fit(rows)
+    assert filtration.concept_tree_ is not None
+    filtration.set_params(stop="annexations").fit(rows)
+    assert filtration.concept_tree_ is None and filtration._group_names() == []
+    with pytest.raises(ValueError, match="no granularities"):
+        filtration.concepts_at(0.5)

@@ -319,7 +319,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         for name, value in state._asdict().items():
             setattr(self, f"{name}_", value)
         self.concepts_: list[Concept] = state.filtration.concepts_
-        self.concept_tree_: ConceptTree | None = getattr(state.filtration, "concept_tree_", None)
+        self.concept_tree_: ConceptTree | None = state.filtration.concept_tree_
         self.labels_: NDArray[np.int32] = state.filtration.labels_.copy()
         self.n_features_in_ = 3
         return self

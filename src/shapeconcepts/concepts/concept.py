@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 class Concept:
     """A group of objects at a time of a filtration (paper: a connected component of the filtration graph).
 
-    The concepts of a filtration with refusals have settled: a few members come from other groups.
-
     Attributes
     ----------
     members : (k,) int64

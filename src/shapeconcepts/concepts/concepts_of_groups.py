@@ -1,4 +1,4 @@
-"""From groups of vertices of a topological space to concepts."""
+"""From groups of the objects in a topological space to concepts."""
 
 from __future__ import annotations
 
@@ -32,11 +32,8 @@ def concepts_of_groups(
     births, deaths : (n_groups,) float64
     """
     members, starts = members_of_groups(groups.of_object, groups.n_groups)
-    medoids = _medoids(space, chosen, *members_of_groups(groups.of_vertex, groups.n_groups))
-    return [
-        Concept(members[starts[k] : starts[k + 1]], medoid, float(births[k]), float(deaths[k]))
-        for k, medoid in zip(chosen.tolist(), medoids.tolist(), strict=True)
-    ]
+    of_chosen = [members[starts[k] : starts[k + 1]] for k in chosen.tolist()]
+    return concepts_of_members(space, of_chosen, births[chosen], deaths[chosen])
 
 
 def concepts_of_members(
@@ -45,41 +42,42 @@ def concepts_of_members(
     births: NDArray[np.float64],
     deaths: NDArray[np.float64],
 ) -> list[Concept]:
-    """Concepts of groups that are given by their objects; all objects at one place are in the same group.
+    """Concepts of groups that are given by their objects; an object may be in several.
 
     Parameters
     ----------
     space : TopologicalSpace
         Fitted.
     members : sequence of (k,) int64
-        Objects of each group, at least one.
+        Objects of each group, at least one; all that are at one place, or none of them.
     births, deaths : (n_groups,) float64
     """
-    of_vertex = np.full(len(space.multiplicities_), -1, np.int32)
-    of_object = np.full(len(space.vertices_), -1, np.int32)
-    for group, objects in enumerate(members):
-        of_object[objects] = of_vertex[space.vertices_[objects]] = group
-    groups = Groups(len(members), of_vertex, of_object)
-    return concepts_of_groups(space, groups, np.arange(len(members)), births, deaths)
+    return [
+        Concept(objects, medoid, birth, death)
+        for objects, medoid, birth, death in zip(
+            members, _medoids(space, members), births.tolist(), deaths.tolist(), strict=True
+        )
+    ]
 
 
-def _medoids(
-    space: TopologicalSpace,
-    groups: NDArray[np.int64],
-    vertices: NDArray[np.int64],
-    starts: NDArray[np.int64],
-) -> NDArray[np.int64]:
+def _medoids(space: TopologicalSpace, members: Sequence[NDArray[np.int64]]) -> list[int]:
     """First object at each group's place of smallest mean divergence to the group's objects."""
+    if not members:
+        return []
     rows = space.rows_
-    places = medoids_of_groups(
+    groups = np.arange(len(members))
+    of_group = np.repeat(groups, [len(objects) for objects in members])
+    places = np.unique(of_group * rows.shape[0] + space.vertices_[np.concatenate(members)])
+    group_of, vertices = np.divmod(places, rows.shape[0])
+    medoids = medoids_of_groups(
         rows.indptr.astype(np.int64),
         rows.indices.astype(np.int32),
         rows.data,
         rows.shape[1],
         space.multiplicities_,
         vertices,
-        starts,
+        np.searchsorted(group_of, np.arange(len(members) + 1)),
         groups,
     )
-    objects, object_starts = members_of_groups(space.vertices_, rows.shape[0])
-    return objects[object_starts[places]]
+    objects, starts = members_of_groups(space.vertices_, rows.shape[0])
+    return objects[starts[medoids]].tolist()

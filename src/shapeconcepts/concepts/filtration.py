@@ -77,8 +77,8 @@ class Filtration(ClusterMixin, BaseEstimator):
     annexations_ : (e, 2) int32
         Representative of the class that dies, and of the one that it dies into: the edges of the filtration
         graph F.
-    concept_tree_ : ConceptTree
-        With "persistence": all groups that significant splits leave apart, coarse to fine.
+    concept_tree_ : ConceptTree or None
+        All groups that significant splits leave apart, coarse to fine. None for "annexations".
     granularity_ : float or None
         Where concepts are taken. None for "annexations".
     concept_time_ : float or None
@@ -178,19 +178,20 @@ class Filtration(ClusterMixin, BaseEstimator):
         self.annexations_ = np.stack([self._history.dying, self._history.surviving], axis=1)
         self.epsilon_max_ = most_annexations(self._history, self.max_steps, self.min_concept_size)
         self.granularity_: float | None = None
+        self.concept_tree_: ConceptTree | None = None
+        # One object for each group of the tree: a name that it is given stays in every cut.
+        self._concept_of: dict[int, Concept] = {}
 
-    def _split(self, p_values: NDArray[np.float64]) -> None:
+    def _split(self, p_values: NDArray[np.float64]) -> ConceptTree:
         """Keep apart what significant splits are between."""
         self.p_values_ = p_values
         splits = significant(p_values, self.error_rate)
-        self.concept_tree_ = ConceptTree.of(self._history, splits, p_values, self.min_concept_size)
+        tree = ConceptTree.of(self._history, splits, p_values, self.min_concept_size)
+        self.concept_tree_ = tree
         self.granularity_ = (
-            self.concept_tree_.most_persistent_granularity()
-            if self.granularity is None
-            else float(self.granularity)
+            tree.most_persistent_granularity() if self.granularity is None else float(self.granularity)
         )
-        # One object for each group: a name that it is given stays in every cut.
-        self._concept_of: dict[int, Concept] = {}
+        return tree
 
     def _take_concepts(self) -> None:
         time = self.epsilon_max_ if self.granularity_ is None else 1.0 - self.granularity_
@@ -240,13 +241,7 @@ class Filtration(ClusterMixin, BaseEstimator):
         ValueError
             If `granularity` is not between 0 and 1, or `stop` is "annexations", which has a time instead.
         """
-        groups = self._groups(granularity)
-        tree = self._tree()
-        new = [group for group in groups if group not in self._concept_of]
-        members = [tree.members(group) for group in new]
-        lives = tree.births[new], tree.deaths[new]
-        self._concept_of.update(zip(new, concepts_of_members(self.space_, members, *lives), strict=True))
-        return [self._concept_of[group] for group in groups]
+        return self._concepts_of(self._groups(granularity))
 
     def _groups(self, granularity: float) -> list[int]:
         """Groups of the tree at a granularity, in the order of `concepts_at`."""
@@ -256,6 +251,15 @@ class Filtration(ClusterMixin, BaseEstimator):
         return sorted(
             groups, key=lambda group: (-len(members[group]), self.space_.vertices_[members[group]].min())
         )
+
+    def _concepts_of(self, groups: list[int]) -> list[Concept]:
+        """Concepts of groups of the tree, which may be parts of each other."""
+        tree = self._tree()
+        new = [group for group in groups if group not in self._concept_of]
+        members = [tree.members(group) for group in new]
+        lives = tree.births[new], tree.deaths[new]
+        self._concept_of.update(zip(new, concepts_of_members(self.space_, members, *lives), strict=True))
+        return [self._concept_of[group] for group in groups]
 
     def at_granularity(self, granularity: float) -> Filtration:
         """The same filtration with its concepts taken at another granularity; nothing is filtered again.
@@ -273,24 +277,19 @@ class Filtration(ClusterMixin, BaseEstimator):
         present = {id(concept) for concept in self.concepts_}
         return sorted(
             [group, concept.name]
-            for group, concept in getattr(self, "_concept_of", {}).items()
+            for group, concept in self._concept_of.items()
             if concept.name and id(concept) not in present
         )
 
     def _name_groups(self, names: list[list[Any]]) -> None:
         """Give groups of the tree their names, see `_group_names`."""
-        groups = [group for group, _ in names]
-        members = [self.concept_tree_.members(group) for group in groups]
-        lives = self.concept_tree_.births[groups], self.concept_tree_.deaths[groups]
-        for concept, (group, name) in zip(
-            concepts_of_members(self.space_, members, *lives), names, strict=True
-        ):
+        concepts = self._concepts_of([group for group, _ in names])
+        for concept, (_, name) in zip(concepts, names, strict=True):
             concept.name = name
-            self._concept_of[group] = concept
 
     def _tree(self) -> ConceptTree:
         check_is_fitted(self)
-        if self.granularity_ is None:
+        if self.concept_tree_ is None:
             raise ValueError(
                 "there are no significant splits, and so no granularities, where stop is 'annexations': "
                 "groups_at gives the groups at a time"

@@ -166,17 +166,17 @@ def _fit_filtration(
     if granularity is None:
         require(not names, f"group_names must be empty where there are no groups, got {names!r:.60}")
         return
-    filtration._split(filtration.p_values_)
+    tree = filtration._split(filtration.p_values_)
     filtration.granularity_ = granularity
     groups = filtration._groups(granularity)
-    members = [filtration.concept_tree_.members(group).tolist() for group in groups]
+    members = [tree.members(group).tolist() for group in groups]
     require(
         members == [concept.members.tolist() for concept in filtration.concepts_],
         "tensor concepts.labels must name the groups at the granularity, the largest first",
     )
     filtration._concept_of.update(zip(groups, filtration.concepts_, strict=True))
     others = [group for group, _ in names]
-    unnamed = set(range(len(filtration.concept_tree_.parents))) - set(groups)
+    unnamed = set(range(len(tree.parents))) - set(groups)
     require(
         len(set(others)) == len(others) and unnamed.issuperset(others),
         f"group_names must name groups that are no concepts, each once, got {names!r:.60}",

@@ -57,12 +57,13 @@ def mean_divergences(space: TopologicalSpace, max_vertices: int) -> ClassOrder:
     class_of, within = gathered(edges, np.argsort(lengths, kind="stable"), sizes, max_vertices)
     vertices, place_of = np.unique(class_of, return_inverse=True)
     weights = np.bincount(place_of, sizes, len(vertices)).astype(np.int64)
-    between = np.flatnonzero(~within)
+    inner, between = np.flatnonzero(within), np.flatnonzero(~within)
+    gathered_at = np.zeros(len(vertices))
+    np.maximum.at(gathered_at, place_of[edges[inner, 0]], lengths[inner])
     divergences = _pairwise(csr_matrix(space.rows_[vertices]))
     order, means, members, stretches = mean_divergence_order(
-        place_of[edges[between]].astype(np.int32), divergences, weights
+        place_of[edges[between]].astype(np.int32), divergences, weights, gathered_at
     )
-    inner = np.flatnonzero(within)
     all_edges = np.concatenate([inner, between[order]])
     all_means = np.concatenate([lengths[inner], means])
     all_stretches = np.concatenate([np.zeros((len(inner), 3), np.int64), stretches])

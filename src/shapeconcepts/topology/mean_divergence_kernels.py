@@ -13,7 +13,10 @@ from shapeconcepts.topology.annexation_kernels import find
 
 @kernel
 def mean_divergence_order(
-    edges: NDArray[np.int32], divergences: NDArray[np.float32], weights: NDArray[np.int64]
+    edges: NDArray[np.int32],
+    divergences: NDArray[np.float32],
+    weights: NDArray[np.int64],
+    heights: NDArray[np.float64],
 ) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int32], NDArray[np.int64]]:
     """Let the classes at the ends of an edge join, those of the smallest mean divergence first.
 
@@ -25,6 +28,8 @@ def mean_divergence_order(
         Symmetric.
     weights : (v,) int64
         Objects at each vertex: in a mean, each pair of objects counts once.
+    heights : (v,) float64
+        When each vertex is there: 0, or the mean at which the last of its own parts joined.
 
     Returns
     -------
@@ -48,7 +53,7 @@ def mean_divergence_order(
     parents = np.arange(n).astype(np.int32)
     objects = weights.copy()
     counts = np.ones(n, np.int64)
-    heights = np.zeros(n)
+    heights = heights.copy()
     # Members of a class, and edges that leave it: chains from its root.
     next_member, last_member = np.full(n, -1, np.int32), np.arange(n).astype(np.int32)
     next_edge, last_edge = np.full(2 * n_edges, -1, np.int64), np.full(n, -1, np.int64)
