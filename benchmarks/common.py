@@ -12,12 +12,15 @@ import trimesh
 from numpy.typing import NDArray
 
 from shapeconcepts import (
+    DescribedObject,
     MotifHierarchyEnsemble,
     Scan,
     ScanError,
     SegmentDictionary,
     datasets,
+    describe,
     read_scans,
+    segment,
 )
 from shapeconcepts.descriptors.registry import DEFAULT
 
@@ -60,6 +63,17 @@ def simulated_scans(category: str, n: int, seed: int) -> list[Scan]:
         except ScanError:
             continue
     return scans
+
+
+def described(scans: Iterable[Scan]) -> list[DescribedObject]:
+    """Scans that can be segmented, described."""
+    found = []
+    for scan in scans:
+        try:
+            found.append(describe(segment(scan)))
+        except ScanError:
+            continue
+    return found
 
 
 def labelled_scans(parser: ArgumentParser, name: str) -> list[Scan]:

@@ -18,23 +18,13 @@ import warnings
 
 import numpy as np
 
-from common import command, print_table, simulated_scans
-from shapeconcepts import DescribedObject, ScanError, ShapeConceptModel, describe, segment
+from common import command, described, print_table, simulated_scans
+from shapeconcepts import ShapeConceptModel
 from shapeconcepts.evaluation import grouping_scores
 from shapeconcepts.simulation.categories import CATEGORIES
 
 SEEDS = (400, 401, 402)
 SIZES = (66, 200, 600, 2000)
-
-
-def described_scans(category: str, n: int, seed: int) -> list[DescribedObject]:
-    found = []
-    for scan in simulated_scans(category, n, seed):
-        try:
-            found.append(describe(segment(scan)))
-        except ScanError:
-            continue
-    return found
 
 
 def main() -> None:
@@ -45,9 +35,9 @@ def main() -> None:
     warnings.simplefilter("ignore")
     table = []
     for seed in options.seeds:
-        described = {category: described_scans(category, max(options.sizes), seed) for category in CATEGORIES}
+        of_category = [described(simulated_scans(one, max(options.sizes), seed)) for one in CATEGORIES]
         for size in sorted(options.sizes):
-            objects = [one for of_category in described.values() for one in of_category[:size]]
+            objects = [one for described_objects in of_category for one in described_objects[:size]]
             labels = np.array([one.label for one in objects])
             start = time.perf_counter()
             model = ShapeConceptModel().fit(objects)

@@ -16,52 +16,29 @@ import os
 os.environ["OMP_NUM_THREADS"] = "1"
 
 import warnings
-from pathlib import Path
 
 import numpy as np
 
-from common import SHARED_DATA, command, print_table, simulated_scans
+from common import SHARED_DATA, command, described, print_table, simulated_scans, views_of_meshes
 from shapeconcepts import (
     DescribedObject,
     Scan,
-    ScanError,
     ShapeConceptModel,
     datasets,
-    describe,
     read_scans,
-    segment,
 )
 from shapeconcepts.evaluation import grouping_scores
-from shapeconcepts.io.ply import read_ply
 from shapeconcepts.simulation.categories import CATEGORIES
-from shapeconcepts.simulation.sensor import scan_mesh
 
 SEEDS = (400, 401, 402)
 COUNTS = (12, 20, 60, 200, 600)
-N_VIEWS = 4
 # Kinds of household_meshes that restaurant_views or the simulator have, too.
 NAMESAKES = {"ball", "bowl", "box", "cup", "cutlery", "plate"}
 
 
-def described(scans: list[Scan], prefix: str = "") -> list[tuple[DescribedObject, str]]:
+def labelled(scans: list[Scan], prefix: str = "") -> list[tuple[DescribedObject, str]]:
     """Scans that can be described, each with its label."""
-    found = []
-    for scan in scans:
-        try:
-            found.append((describe(segment(scan)), f"{prefix}{scan.label}"))
-        except ScanError:
-            continue
-    return found
-
-
-def views_of_meshes(folder: Path) -> list[Scan]:
-    scans = []
-    for path in sorted(folder.glob("*/*.ply")):
-        mesh = read_ply(path.read_bytes())
-        for view in range(N_VIEWS):
-            rng = np.random.default_rng([view, len(scans)])
-            scans.append(scan_mesh(mesh.vertices, mesh.faces, random_state=rng, label=path.parent.name))
-    return scans
+    return [(one, f"{prefix}{one.label}") for one in described(scans)]
 
 
 def learned(objects: list[tuple[DescribedObject, str]]) -> tuple[ShapeConceptModel, np.ndarray]:
@@ -89,7 +66,7 @@ def unequal_kinds(n_draws: int) -> None:
             for kind, n in zip(kinds, COUNTS, strict=True)
             for scan in simulated_scans(str(kind), n, 10_000 + draw)
         ]
-        model, labels = learned(described(scans))
+        model, labels = learned(labelled(scans))
         of_concept = [labels[concept.members] for concept in model.concepts_]
         has_its_own.append([any((one == kind).mean() > 0.5 for one in of_concept) for kind in kinds])
     shares = np.mean(has_its_own, axis=0)
@@ -122,19 +99,19 @@ def main() -> None:
     parser.add_argument("--draws", type=int, default=20, metavar="N", help="of unequal kinds")
     options = parser.parse_args()
     warnings.simplefilter("ignore")
-    shapes = described(read_scans(SHARED_DATA / "seven_shapes"))
-    restaurant = described(read_scans(SHARED_DATA / "restaurant_views"))
-    household = described(views_of_meshes(SHARED_DATA / "household_meshes"))
+    shapes = labelled(read_scans(SHARED_DATA / "seven_shapes"))
+    restaurant = labelled(read_scans(SHARED_DATA / "restaurant_views"))
+    household = labelled(views_of_meshes(SHARED_DATA / "household_meshes"))
     simulated = {
-        f"simulated {seed}": described(datasets.simulate(n_per_category=66, random_state=seed))
+        f"simulated {seed}": labelled(datasets.simulate(n_per_category=66, random_state=seed))
         for seed in options.seeds
     }
     one_kind_alone({"seven_shapes": shapes, **simulated, "restaurant_views": restaurant})
     print(flush=True)
     together = [(one, f"restaurant {label}") for one, label in restaurant]
-    together += described(datasets.simulate(n_per_category=40, random_state=options.seeds[0]), "simulated ")
+    together += labelled(datasets.simulate(n_per_category=40, random_state=options.seeds[0]), "simulated ")
     together += [(one, label) for one, label in household if label not in NAMESAKES]
-    atwork = described(read_scans(SHARED_DATA / "atwork_parts"))
+    atwork = labelled(read_scans(SHARED_DATA / "atwork_parts"))
     many_kinds({"household_meshes": household, "atwork_parts": atwork, "together": together})
     print(flush=True)
     unequal_kinds(options.draws)

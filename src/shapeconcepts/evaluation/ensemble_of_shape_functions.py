@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from shapeconcepts.evaluation.ensemble_of_shape_functions_kernels import GRID_SIZE, shape_functions
-from shapeconcepts.geometry.canonical_frame import canonical_coordinates
+from shapeconcepts.geometry.canonical_frame import canonical_ball
+from shapeconcepts.geometry.points import checked_points
 
 N_TRIPLES = 20_000
 # How much each histogram counts, as in the Point Cloud Library: angles, areas, distances (each inside,
@@ -46,25 +47,14 @@ def ensemble_of_shape_functions(points: ArrayLike) -> NDArray[np.float64]:
     ValueError
         If the shape is not (m, 3) or coordinates are not finite.
     """
-    cloud = np.asarray(points, np.float64)
-    if cloud.ndim != 2 or cloud.shape[1] != 3:
-        raise ValueError(f"points must have shape (m, 3), got {cloud.shape}")
-    if not np.isfinite(cloud).all():
-        raise ValueError("points must be finite, got NaN or infinity")
+    cloud = checked_points(points)
     empty = np.zeros(_WEIGHTS.size * 64)
     if len(cloud) < 3:
         return empty
-    # The order of the points must not reach the sums behind the principal axes either.
-    along_axes = canonical_coordinates(_sorted(cloud))
-    radius = np.sqrt((along_axes**2).sum(axis=1).max())
-    if radius == 0:
+    scaled = canonical_ball(cloud, GRID_SIZE / 2)
+    if not scaled.any():
         return empty
-    scaled = _sorted(np.ascontiguousarray(along_axes) * (GRID_SIZE / 2 / radius))
     voxels = np.clip(np.floor(scaled + GRID_SIZE / 2), 0, GRID_SIZE - 1).astype(np.int64)
     histograms = shape_functions(scaled, voxels, N_TRIPLES, _SMALLEST_AREA) * _WEIGHTS[:, None]
     mass = histograms.sum()
     return (histograms / mass).ravel() if mass > 0 else empty
-
-
-def _sorted(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.ascontiguousarray(points[np.lexsort(points.T)])

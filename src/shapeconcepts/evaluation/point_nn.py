@@ -7,7 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import KDTree
 from scipy.special import erf
 
-from shapeconcepts.geometry.canonical_frame import canonical_coordinates
+from shapeconcepts.geometry.canonical_frame import canonical_ball
+from shapeconcepts.geometry.points import checked_points
 
 # As the authors have it for classification.
 N_POINTS = 1024
@@ -50,26 +51,12 @@ def point_nn(points: ArrayLike) -> NDArray[np.float64]:
     ValueError
         If the shape is not (m, 3) or coordinates are not finite.
     """
-    cloud = np.asarray(points, np.float64)
-    if cloud.ndim != 2 or cloud.shape[1] != 3:
-        raise ValueError(f"points must have shape (m, 3), got {cloud.shape}")
-    if not np.isfinite(cloud).all():
-        raise ValueError("points must be finite, got NaN or infinity")
+    cloud = checked_points(points)
     if not len(cloud):
         return np.zeros(WIDTH << N_STAGES)
-    features = np.maximum(_features(_laid_and_scaled(cloud)).astype(np.float64), 0) ** 2
+    laid = canonical_ball(cloud, 1.0).astype(np.float32)
+    features = np.maximum(_features(laid).astype(np.float64), 0) ** 2
     return features / features.sum()
-
-
-def _laid_and_scaled(points: NDArray[np.float64]) -> NDArray[np.float32]:
-    # The order of the points must not reach the sums behind the principal axes.
-    laid = canonical_coordinates(_sorted(points))
-    radius = np.sqrt((laid**2).sum(axis=1).max())
-    return _sorted(laid / radius if radius > 0 else laid).astype(np.float32)
-
-
-def _sorted(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.ascontiguousarray(points[np.lexsort(points.T)])
 
 
 def _features(points: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -30,3 +30,30 @@ def canonical_coordinates(points: NDArray[np.float64]) -> NDArray[np.float64]:
     coordinates = axes[:, ::-1].T @ centred
     skewness = (coordinates * coordinates * coordinates).sum(axis=1, keepdims=True)
     return (coordinates * np.where(skewness < 0, -1.0, 1.0)).T
+
+
+def canonical_ball(points: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
+    """Points in their canonical frame, scaled until they fill a ball, and in an order of their own.
+
+    Neither pose nor size nor the order of the points is left, but for rounding.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        Finite coordinates, n >= 1.
+    radius : float
+        Distance of the farthest point from the centroid afterwards, unless all points are at one place.
+
+    Returns
+    -------
+    (n, 3) float64
+        Sorted by the last coordinate, then the one before, then the first.
+    """
+    # The order of the points must not reach the sums behind the principal axes either.
+    coordinates = canonical_coordinates(_sorted(points))
+    extent = np.sqrt((coordinates**2).sum(axis=1).max())
+    return _sorted(np.ascontiguousarray(coordinates) * (radius / extent) if extent > 0 else coordinates)
+
+
+def _sorted(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.ascontiguousarray(points[np.lexsort(points.T)])

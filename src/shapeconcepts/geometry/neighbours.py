@@ -15,6 +15,7 @@ from shapeconcepts.geometry.neighbour_kernels import (
     neighbour_lists,
     renumber,
 )
+from shapeconcepts.geometry.points import checked_points
 
 
 class Neighbours(NamedTuple):
@@ -90,11 +91,7 @@ def cell_grid(points: NDArray[np.float64], radius: float, reach: int = 1) -> Cel
     Neighbours are at most `reach` cells apart: the more, the smaller are the cells, and the fewer candidates
     are no neighbours. The other parameters and errors are those of `radius_neighbours`.
     """
-    points = np.asarray(points, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise ValueError(f"points must have shape (m, 3), got {points.shape}")
-    if not np.isfinite(points).all():
-        raise ValueError("points must be finite, got NaN or infinity")
+    points = checked_points(points)
     if not (np.isfinite(radius) and radius > 0):
         raise ValueError(f"radius must be a positive number, got {radius!r}")
     coordinates = np.ascontiguousarray(points.T)

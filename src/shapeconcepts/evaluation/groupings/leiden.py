@@ -15,8 +15,8 @@ from shapeconcepts.evaluation.groupings.grouping import (
     without_small_groups,
 )
 from shapeconcepts.evaluation.groupings.neighbour_graph import (
-    NEIGHBOUR_COUNTS,
     by_nearness,
+    neighbour_counts,
     neighbours_both_ways,
 )
 from shapeconcepts.evaluation.libraries import check_libraries
@@ -59,10 +59,8 @@ def leiden(
     matrix = checked_distances(distances, max_groups)
     check_choice(choice)
     nearest_first = by_nearness(matrix)
-    last = len(matrix) - 1
-    counts = [k for k in NEIGHBOUR_COUNTS if k <= last] or [last]
     candidates: dict[tuple[int, float], NDArray[np.int64]] = {}
-    while not candidates:
+    for counts in neighbour_counts(len(matrix)):
         for k in counts:
             graph = neighbours_both_ways(nearest_first[:, :k])
             for resolution in _RESOLUTIONS:
@@ -71,7 +69,8 @@ def leiden(
                 if labels.max() >= max_groups:
                     break
                 candidates[k, resolution] = labels
-        counts = [min(2 * counts[-1], last)]
+        if candidates:
+            break
     k, resolution = best_candidate(candidates, matrix, choice)
     return Grouping(candidates[k, resolution], {"neighbours": k, "resolution": resolution})
 

@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
-# Numbers of neighbours that are tried.
-NEIGHBOUR_COUNTS = (4, 6, 8, 12, 16)
+_NEIGHBOUR_COUNTS = (4, 6, 8, 12, 16)
+
+
+def neighbour_counts(n_objects: int) -> Iterator[list[int]]:
+    """Numbers of neighbours to try together, then ever larger ones to try while none will do.
+
+    Without an end: all other objects as neighbours make one group.
+    """
+    last = n_objects - 1
+    counts = [k for k in _NEIGHBOUR_COUNTS if k <= last] or [last]
+    while True:
+        yield counts
+        counts = [min(2 * counts[-1], last)]
 
 
 def by_nearness(distances: NDArray[np.float64]) -> NDArray[np.int64]:

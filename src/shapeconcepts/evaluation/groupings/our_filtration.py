@@ -53,7 +53,7 @@ def our_filtration_by_silhouette(
     matrix = checked_distances(distances, max_groups)
     filtration = _filtered(rows)
     # Just beyond each place where the cut changes.
-    granularities = [0.0, *np.minimum(1.0001 * filtration.concept_tree_.granularities, 1.0).tolist()]
+    granularities = [0.0, *np.minimum(1.0001 * filtration._tree().granularities, 1.0).tolist()]
     cuts = {g: filtration.at_granularity(g).labels_.astype(np.int64) for g in granularities}
     allowed = {g: labels for g, labels in cuts.items() if labels.max() < max_groups} or cuts
     best = best_candidate(allowed, matrix, "silhouette")

@@ -15,8 +15,8 @@ from shapeconcepts.evaluation.groupings.grouping import (
     without_small_groups,
 )
 from shapeconcepts.evaluation.groupings.neighbour_graph import (
-    NEIGHBOUR_COUNTS,
     by_nearness,
+    neighbour_counts,
     neighbours_both_ways,
 )
 from shapeconcepts.evaluation.libraries import check_libraries
@@ -54,15 +54,14 @@ def tomato(distances: ArrayLike, max_groups: int, choice: str = "silhouette") ->
     matrix = checked_distances(distances, max_groups)
     check_choice(choice)
     nearest_first = by_nearness(matrix)
-    last = len(matrix) - 1
-    counts = [k for k in NEIGHBOUR_COUNTS if k <= last] or [last]
     candidates: dict[int, NDArray[np.int64]] = {}
-    while not candidates:
+    for counts in neighbour_counts(len(matrix)):
         for k in counts:
             labels = _labels(matrix, nearest_first[:, :k], max_groups, choice)
             if labels.max() < max_groups:
                 candidates[k] = labels
-        counts = [min(2 * counts[-1], last)]
+        if candidates:
+            break
     best = best_candidate(candidates, matrix, choice)
     return Grouping(candidates[best], {"neighbours": best})
 
