@@ -28,6 +28,7 @@ COMMANDS = (
     "concept_ablation.py",
     "concept_growth.py",
     "concept_numbers.py",
+    "concept_cuts.py",
     "noise.py",
     "dip_table.py",
     "novelty.py",
