@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from shapeconcepts import Scan
+from shapeconcepts import Scan, segment
 from shapeconcepts.preparation import PreparedObject, prepare
 from shapeconcepts.preparation.sensor_direction import estimate_viewpoint
 from shapeconcepts.simulation.sensor_model import SensorModel
@@ -33,9 +33,24 @@ def half_of_the_points(scan: Scan, rng: np.random.Generator) -> Scan:
 
 def third_hidden(scan: Scan, rng: np.random.Generator) -> Scan:
     """Without the third of the points that is beyond a line across the image in a random direction."""
+    return share_hidden(scan, rng, HIDDEN_SHARE)
+
+
+def share_hidden(scan: Scan, rng: np.random.Generator, share: float) -> Scan:
+    """Without a share of the points, those beyond a line across the image in a random direction."""
     viewpoint, _, _ = _seen(scan)
     across = rng.normal(size=2) @ _image(scan.points, viewpoint)[0]
-    return _part(scan, across <= np.quantile(across, 1 - HIDDEN_SHARE))
+    return _part(scan, across <= np.quantile(across, 1 - share))
+
+
+def segments_hidden(scan: Scan, rng: np.random.Generator) -> Scan | None:
+    """Without one of two segments, or two of more, at random; None where there is only one."""
+    segmented = segment(scan)
+    if segmented.n_segments < 2:
+        return None
+    hidden = rng.permutation(segmented.n_segments)[: 1 if segmented.n_segments == 2 else 2]
+    of_point = np.append(segmented.segment_labels, -1)[segmented.point_to_voxel]
+    return _part(scan, ~np.isin(of_point, hidden))
 
 
 def twice_its_noise(scan: Scan, rng: np.random.Generator) -> Scan:

@@ -11,13 +11,14 @@ import pytest
 from scipy.sparse import issparse
 
 from shapeconcepts import DescribedObject, ModelError, Scan, ShapeConceptModel, load_model
-from shapeconcepts.descriptors import Description
+from shapeconcepts.descriptors import DescribedOcclusion, Description
 from shapeconcepts.model_file.container import read_container, write_container
 from shapeconcepts.parameters import StagesMixin
 
 # Computed when they are first asked for.
 LAZY = {
     "_field",
+    "_reminder_field",
     "_training_stimuli",
     "_known",
     "prototypes_of",
@@ -39,7 +40,7 @@ LIKE_THE_PAPER: dict[str, Any] = {
 
 def described_objects(n_per_kind: int, seed: int = 0) -> list[DescribedObject]:
     """Objects of four kinds, with one to four segments in a row, in 12 bins."""
-    random = np.random.default_rng(seed)
+    random, hiding = np.random.default_rng(seed), np.random.default_rng((seed, 1))
     objects = []
     for number in range(4 * n_per_kind):
         kind = number % 4
@@ -47,7 +48,11 @@ def described_objects(n_per_kind: int, seed: int = 0) -> list[DescribedObject]:
         segments[np.arange(kind + 1), 3 * kind + np.arange(kind + 1) % 3] += 2 + random.random()
         edges = np.array([(i, i + 1) for i in range(kind)], np.int32).reshape(-1, 2)
         label = None if number % 5 == 0 else f"kind {kind}"
-        objects.append(DescribedObject(Description(segments), edges, f"object {number}", label))
+        name = f"object {number}"
+        # As if a part of the first segment, and all others, were hidden.
+        rest = DescribedObject(Description(segments[:1] * hiding.random((1, 12)) ** 4), name=name)
+        occlusions = (DescribedOcclusion(rest, np.zeros(1, np.int32)),)
+        objects.append(DescribedObject(Description(segments), edges, name, label, occlusions))
     return objects
 
 

@@ -426,7 +426,7 @@ def test_fit_transform_describes_each_scan_once(segmented, scans, model):
             described.append(one.name)
             return get_descriptor("surflet+fpfh+curvature").describe(one)
 
-    counting = ShapeConceptModel(descriptor=Counting())
+    counting = ShapeConceptModel(descriptor=Counting()).set_params(ensemble__n_occlusions=0)
     rows = counting.fit_transform(scans)
     assert sorted(described) == sorted(scan.name for scan in scans)
     assert_same_rows(counting.stimuli_, model.stimuli_)

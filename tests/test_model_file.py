@@ -182,6 +182,7 @@ def test_parameters_survive(path):
         "ensemble__leave_own_out": False,
         "ensemble__min_support": 1,
         "filtration__heat": "geodesic",
+        "ensemble__n_occlusions": 1,
         "filtration__stop": "annexations",
         "filtration__min_concept_size": 2,
         "filtration__max_steps": 7,

@@ -16,7 +16,9 @@ from sklearn.utils._param_validation import HasMethods
 from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.concepts import Concept, ConceptResponse, ConceptTree, Filtration
+from shapeconcepts.concepts.recognition import Recognition, concept_shares
 from shapeconcepts.descriptors import (
+    DescribedObject,
     Descriptor,
     describe_scan,
     describe_scans,
@@ -175,7 +177,8 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
             raise ValueError("X must hold at least one scan, got none")
         segmenter, descriptor = self._stage("segmenter"), clone(self.descriptor, safe=False)
         ensemble, filtration, response = map(self._stage, ("ensemble", "filtration", "response"))
-        described, skipped = describe_scans(scans, segmenter, descriptor, self.n_jobs)
+        n_occlusions = getattr(ensemble, "n_occlusions", 0)
+        described, skipped = describe_scans(scans, segmenter, descriptor, self.n_jobs, n_occlusions)
 
         ensemble.set_params(n_jobs=self.n_jobs).fit([one for one in described if one])
         stimuli = with_empty_rows(ensemble.stimuli_, described)
@@ -207,12 +210,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         (m, n_motifs) csr_matrix of float64
             The row of a scan that cannot be described is empty.
         """
-        check_is_fitted(self, "response_")
-        described, _ = describe_scans(list_of_scans(X), self.segmenter_, self.descriptor_, self.n_jobs)
-        self.ensemble_.n_jobs = self.n_jobs
-        rows = self.ensemble_.transform([one for one in described if one])
-        # scikit-learn can be told that it shall be a data frame.
-        return with_empty_rows(csr_matrix(rows), described)
+        return self._rows(self._described(X), self.ensemble_.transform)
 
     def transform(self, X: Iterable[object]) -> NDArray[np.float64]:
         """Responses of the concepts to scans (paper: equation 3); smaller is more alike.
@@ -242,7 +240,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         return self.response_.transform(stimuli)
 
     def predict(self, X: Iterable[object]) -> NDArray[np.int64]:
-        """Concept whose nearest training scans are nearest on average, -1 for a scan unlike all.
+        """Concept of whose members each scan reminds most, -1 for a scan unlike all.
 
         Parameters, errors and warnings are those of `transform`.
 
@@ -251,8 +249,28 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         (m,) int64
             Position in `concepts_`, or -1.
         """
-        stimuli = self.stimuli(X)
-        return self.response_.predict(stimuli)
+        return self.recognise(X).concepts
+
+    def recognise(self, X: Iterable[object]) -> Recognition:
+        """Concepts of scans, responses, and how much each scan reminds of each concept's members, at once.
+
+        A scan of which a part is hidden reminds of what the imagined occlusions of training scans left. Where
+        the stimuli are of motifs, the concept is the one whose nearest training scans are nearest.
+
+        Parameters, errors and warnings are those of `transform`.
+        """
+        described = self._described(X)
+        stimuli = self._rows(described, self.ensemble_.transform)
+        concepts, responses = self.response_.predict(stimuli), self.response_.transform(stimuli)
+        if getattr(self.ensemble_, "columns", None) != "prototypes":
+            return Recognition(concepts, responses, None)
+        reminders = self._rows(described, self.ensemble_.reminders)
+        labels = np.delete(self.labels_, list(self.skipped_))
+        shares = concept_shares(reminders, labels, len(self.concepts_))
+        is_known = (concepts >= 0) & shares.any(axis=1)
+        if is_known.any():
+            concepts = np.where(is_known, shares.argmax(axis=1), -1)
+        return Recognition(concepts, responses, shares)
 
     def explain(self, scan: object) -> Explanation:
         """Which motifs a scan fires, how strongly, and which training scans they come from.
@@ -313,6 +331,18 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
                 self.skipped_,
             ),
         )
+
+    def _described(self, X: Iterable[object]) -> list[DescribedObject | None]:
+        check_is_fitted(self, "response_")
+        self.ensemble_.n_jobs = self.n_jobs
+        return describe_scans(list_of_scans(X), self.segmenter_, self.descriptor_, self.n_jobs)[0]
+
+    def _rows(
+        self, described: list[DescribedObject | None], rows_of: Callable[[list[DescribedObject]], Any]
+    ) -> csr_matrix:
+        """Rows of the scans that could be described, and empty ones for the others."""
+        # scikit-learn can be told that it shall be a data frame.
+        return with_empty_rows(csr_matrix(rows_of([one for one in described if one])), described)
 
     def _remember(self, state: ModelState) -> ShapeConceptModel:
         """Be fitted."""

@@ -93,9 +93,8 @@ def explain(
     assert found.described is not None and found.segmented is not None
     with _failure_said(found.name, "explained"):
         explanation = learned.ensemble_.explain(found.described)
-        stimuli = learned.stimuli([found.described])
-        concept = int(learned.response_.predict(stimuli)[0])
-        responses = learned.response_.transform(stimuli)[0].tolist()
+        recognition = learned.recognise([found.described])
+        concept, responses = int(recognition.concepts[0]), recognition.responses[0].tolist()
     if as_json:
         document = _document(learned, found.name, explanation, concept, responses)
         tell_json(document)

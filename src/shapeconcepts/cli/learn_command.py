@@ -165,6 +165,7 @@ def learn(
         scenes=scenes,
         cache=None if no_cache else user_cache(),
         make_preview=report is not None,
+        n_occlusions=learner.get_params()["ensemble__n_occlusions"],
     )
     with one_thread():
         collection = _collect(sources, reader, jobs, strict)

@@ -73,6 +73,8 @@ class ObjectReader:
     cache : SegmentCache, optional
     keep_segmented, make_preview : bool
         What to hand back besides descriptions.
+    n_occlusions : int
+        Imagined ones that come with each description.
     """
 
     reading: ReadOptions
@@ -82,6 +84,7 @@ class ObjectReader:
     cache: SegmentCache | None = None
     keep_segmented: bool = False
     make_preview: bool = False
+    n_occlusions: int = 0
 
     def __call__(self, source: Source) -> list[ReadObject]:
         """Objects of a source; never raises for what is wrong with a scan."""
@@ -142,7 +145,7 @@ class ObjectReader:
             if count > MAX_SEGMENTS:
                 raise ScanError(f"{name}: has {count} segments, expected at most {MAX_SEGMENTS}")
             with scan_errors(name, "described"):
-                described = describe(segmented, self.descriptor)
+                described = describe(segmented, self.descriptor, self.n_occlusions)
         except ScanError as error:
             return ReadObject(name, reason=str(error))
         finished = ReadObject(name, described, segmented if self.keep_segmented else None)

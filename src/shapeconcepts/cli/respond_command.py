@@ -67,9 +67,9 @@ def respond(
 ) -> None:
     """Say how much scans resemble each concept of a model: the smaller a response, the more alike.
 
-    For each scan: the concept whose ten nearest training scans are nearest on average, by name or number, or
-    "unknown" where no scan is near; and the response of each concept, which is the mean distance to its
-    members (nothing where the scan has nothing that the model knows).
+    For each scan: the concept of whose members the scan reminds most, by name or number, or "unknown" where
+    it is like none; and the response of each concept, which is the mean distance to its members (nothing
+    where the scan has nothing that the model knows).
 
     Scans that cannot be used are skipped and listed at the end. The exit code is 0 if there is a response,
     1 if not, and 2 if the command line is wrong.
@@ -137,9 +137,7 @@ def _responses_or_reasons(
 
 
 def _responses(model: ShapeConceptModel, objects: list[ReadObject]) -> list[Response]:
-    stimuli = model.stimuli(one.described for one in objects)
-    responses = model.response_.transform(stimuli)
-    concepts = model.response_.predict(stimuli).tolist()
+    recognition = model.recognise(one.described for one in objects)
     return [
         Response(
             scan=one.name,
@@ -148,7 +146,9 @@ def _responses(model: ShapeConceptModel, objects: list[ReadObject]) -> list[Resp
             concept=concept_title(model, number),
             values=row,
         )
-        for one, number, row in zip(objects, concepts, responses, strict=True)
+        for one, number, row in zip(
+            objects, recognition.concepts.tolist(), recognition.responses, strict=True
+        )
     ]
 
 

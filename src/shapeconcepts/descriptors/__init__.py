@@ -1,7 +1,7 @@
 """Descriptors: histograms of segments that add up over sets of segments."""
 
 from shapeconcepts.descriptors.curvature import Curvature, compute_principal_curvatures
-from shapeconcepts.descriptors.described_object import DescribedObject, describe
+from shapeconcepts.descriptors.described_object import DescribedObject, DescribedOcclusion, describe
 from shapeconcepts.descriptors.described_scans import describe_scan, describe_scans, list_of_scans
 from shapeconcepts.descriptors.fpfh import FPFH, compute_fpfh
 from shapeconcepts.descriptors.joint import Joint
@@ -13,6 +13,7 @@ __all__ = [
     "FPFH",
     "Curvature",
     "DescribedObject",
+    "DescribedOcclusion",
     "Description",
     "Descriptor",
     "Joint",

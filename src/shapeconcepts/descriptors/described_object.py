@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,22 @@ from numpy.typing import NDArray
 from shapeconcepts.descriptors.protocol import Description, Descriptor
 from shapeconcepts.descriptors.registry import DEFAULT, get_descriptor
 from shapeconcepts.geometry.origin import nearest_tile
+from shapeconcepts.segmentation.imagined_occlusion import imagine_occlusion
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
+
+
+class DescribedOcclusion(NamedTuple):
+    """What would be left of an object behind another one, described.
+
+    Attributes
+    ----------
+    described : DescribedObject
+    segments : (s,) int32
+        The segment of the whole object that each segment is left of.
+    """
+
+    described: DescribedObject
+    segments: NDArray[np.int32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,12 +41,15 @@ class DescribedObject:
         Pairs of neighbouring segments.
     name, label
         As in the scan.
+    occlusions : tuple of DescribedOcclusion
+        Imagined ones, for motifs to learn from.
     """
 
     description: Description
     segment_edges: NDArray[np.int32] = field(default_factory=lambda: np.empty((0, 2), np.int32))
     name: str = ""
     label: str | None = None
+    occlusions: tuple[DescribedOcclusion, ...] = ()
 
     @property
     def n_segments(self) -> int:
@@ -38,13 +57,18 @@ class DescribedObject:
         return self.description.n_segments
 
 
-def describe(segmented: SegmentedObject, descriptor: str | Descriptor = DEFAULT) -> DescribedObject:
+def describe(
+    segmented: SegmentedObject, descriptor: str | Descriptor = DEFAULT, n_occlusions: int = 0
+) -> DescribedObject:
     """Describe the segments of an object.
 
     Parameters
     ----------
     segmented : SegmentedObject
     descriptor : {"surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"} or Descriptor
+    n_occlusions : int
+        How many times the object is described again as if a part of it were hidden, see `imagine_occlusion`,
+        for an ensemble to learn from.
 
     Raises
     ------
@@ -63,4 +87,12 @@ def describe(segmented: SegmentedObject, descriptor: str | Descriptor = DEFAULT)
     for histograms in (description.segment_histograms, description.pair_histograms):
         if histograms is not None and not (np.isfinite(histograms).all() and (histograms >= 0).all()):
             raise ValueError("descriptor must give finite histograms of at least 0, got others")
-    return DescribedObject(description, segmented.segment_edges, segmented.name, segmented.label)
+    occlusions = []
+    for number in range(n_occlusions):
+        imagined = imagine_occlusion(segmented, number)
+        if imagined is not None:
+            rest = describe(imagined.segmented, descriptor)
+            occlusions.append(DescribedOcclusion(rest, imagined.segments))
+    return DescribedObject(
+        description, segmented.segment_edges, segmented.name, segmented.label, tuple(occlusions)
+    )

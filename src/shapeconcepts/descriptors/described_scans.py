@@ -29,9 +29,15 @@ def list_of_scans(X: object) -> list[object]:
 
 
 def describe_scans(
-    scans: list[object], segmenter: Segmenter, descriptor: str | Descriptor, n_jobs: int | None
+    scans: list[object],
+    segmenter: Segmenter,
+    descriptor: str | Descriptor,
+    n_jobs: int | None,
+    n_occlusions: int = 0,
 ) -> tuple[list[DescribedObject | None], dict[int, str]]:
     """Segment and describe scans; None, with the reason by its position, where that is not possible.
+
+    Parameters are those of `describe_scan` and joblib's `n_jobs`.
 
     Raises
     ------
@@ -43,7 +49,8 @@ def describe_scans(
     ScanWarning
         If a scan cannot be described.
     """
-    results = list(map_in_order(partial(describe_scan, segmenter, descriptor), scans, n_jobs))
+    describe_one = partial(describe_scan, segmenter, descriptor, n_occlusions=n_occlusions)
+    results = list(map_in_order(describe_one, scans, n_jobs))
     skipped = {i: str(result) for i, result in enumerate(results) if isinstance(result, ScanError)}
     if scans and len(skipped) == len(scans):
         raise ScanError(skipped[0])
@@ -57,7 +64,7 @@ def describe_scans(
 
 
 def describe_scan(
-    segmenter: Segmenter, descriptor: str | Descriptor, scan: object
+    segmenter: Segmenter, descriptor: str | Descriptor, scan: object, n_occlusions: int = 0
 ) -> DescribedObject | ScanError:
     """Segment and describe a scan, or say why that is not possible.
 
@@ -67,12 +74,14 @@ def describe_scan(
     descriptor : str or Descriptor
     scan : Scan, (n, 3) array, point cloud, SegmentedObject or DescribedObject
         What is segmented or described already stays as it is.
+    n_occlusions : int
+        As in `describe`.
     """
     if isinstance(scan, DescribedObject):
         return scan
     try:
         with scan_errors(getattr(scan, "name", "") or "scan", "described"):
             segmented = scan if isinstance(scan, SegmentedObject) else segmenter.segment(scan)
-            return describe(segmented, descriptor)
+            return describe(segmented, descriptor, n_occlusions)
     except ScanError as error:
         return error

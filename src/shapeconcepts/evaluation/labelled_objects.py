@@ -11,7 +11,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.descriptors import DescribedObject, Descriptor, describe
+from shapeconcepts.descriptors import DescribedObject, describe
 from shapeconcepts.model import ShapeConceptModel
 from shapeconcepts.parallel import map_in_order
 from shapeconcepts.segmentation import SegmentedObject
@@ -84,15 +84,11 @@ def labelled_objects(
             f"none, such as {missing[0]}"
         )
     described: dict[str, list[DescribedObject]] = {}
-    by_descriptor: list[tuple[str | Descriptor, list[DescribedObject]]] = []
     for preset in presets:
-        descriptor = ShapeConceptModel.preset(preset).descriptor
-        known = [objects for known, objects in by_descriptor if known == descriptor]
-        if not known:
-            tasks = [(one, descriptor) for one in segmented]
-            known = [run(describe, tasks, n_jobs, progress, f"Describing {name}")]
-            by_descriptor.append((descriptor, known[0]))
-        described[preset] = known[0]
+        model = ShapeConceptModel.preset(preset)
+        n_occlusions = model.get_params()["ensemble__n_occlusions"]
+        tasks = [(one, model.descriptor, n_occlusions) for one in segmented]
+        described[preset] = run(describe, tasks, n_jobs, progress, f"Describing {name}")
     known_instances = None
     if instances is not None and all(instances):
         # The same number may name another object under another label.

@@ -25,11 +25,22 @@ def canonical_coordinates(points: NDArray[np.float64]) -> NDArray[np.float64]:
     (n, 3) float64
         Coordinates relative to the centroid, along the axes of falling variance.
     """
+    return _signed_frame(points)[0].T
+
+
+def canonical_axes(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Axes of `canonical_coordinates`, (3, 3) float64: unit columns of falling variance."""
+    return _signed_frame(points)[1]
+
+
+def _signed_frame(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     centred = centred_rows(points)  # few long rows are faster to compute with than many short ones
     _, axes = np.linalg.eigh(centred @ centred.T / len(points))
-    coordinates = axes[:, ::-1].T @ centred
+    axes = axes[:, ::-1]
+    coordinates = axes.T @ centred
     skewness = (coordinates * coordinates * coordinates).sum(axis=1, keepdims=True)
-    return (coordinates * np.where(skewness < 0, -1.0, 1.0)).T
+    signs = np.where(skewness < 0, -1.0, 1.0)
+    return coordinates * signs, axes * signs.T
 
 
 def canonical_ball(points: NDArray[np.float64], radius: float) -> NDArray[np.float64]:

@@ -143,12 +143,13 @@ def _check_motifs(tensors: Tensors) -> None:
 
 def _check_prototypes(tensors: Tensors, n_objects: int) -> None:
     levels, motifs = tensors["motifs.dictionary_levels"], tensors["prototypes.motifs"]
-    objects, histograms = tensors["prototypes.objects"], tensors["prototypes.histograms"]
-    _check_range(tensors, "prototypes.histograms", 0, 1 + _SUM_TOLERANCE)
-    sums = histograms.sum(axis=1, dtype=np.float64)
-    _require_all(
-        "prototypes.histograms", (np.abs(sums - 1) < _SUM_TOLERANCE) | (sums == 0), sums, "rows of sum 1 or 0"
-    )
+    objects = tensors["prototypes.objects"]
+    for name in ("prototypes.histograms", "imagined.histograms"):
+        _check_range(tensors, name, 0, 1 + _SUM_TOLERANCE)
+        sums = tensors[name].sum(axis=1, dtype=np.float64)
+        is_scaled = (np.abs(sums - 1) < _SUM_TOLERANCE) | (sums == 0)
+        _require_all(name, is_scaled, sums, "rows of sum 1 or 0")
+    _check_range(tensors, "imagined.prototypes", 0, len(objects) - 1)
     _check_range(tensors, "prototypes.motifs", 0, len(levels) - 1)
     _require_all(
         "prototypes.motifs",

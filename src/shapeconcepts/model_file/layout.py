@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapeconcepts.model_file.error import require
 from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
 
-FORMAT = 7
+FORMAT = 8
 
 Tensors = dict[str, NDArray[Any]]
 
@@ -30,6 +30,9 @@ LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
     "prototypes.motifs": ("int32", ("prototypes", "levels")),
     "prototypes.objects": ("int32", ("prototypes",)),
     "prototypes.constellations": ("int64", ("prototypes",)),
+    # What imagined occlusions leave of prototypes.
+    "imagined.histograms": ("float32", ("imagined", "bins")),
+    "imagined.prototypes": ("int32", ("imagined",)),
     # Prototypes or motifs, as the parameter columns says.
     "stimuli.sources": ("int64", ("columns",)),
     "stimuli.row_lengths": ("int64", ("scans",)),

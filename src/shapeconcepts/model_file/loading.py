@@ -19,6 +19,7 @@ from shapeconcepts.model_file.layout import Tensors
 from shapeconcepts.model_file.parameters import decode_descriptor, decode_stage
 from shapeconcepts.model_file.state import ModelState
 from shapeconcepts.motifs import MotifHierarchies, MotifHierarchyEnsemble, SegmentDictionary
+from shapeconcepts.motifs.imagined_prototypes import ImaginedPrototypes
 from shapeconcepts.motifs.stimuli import MotifField
 from shapeconcepts.segmentation import Segmenter
 from shapeconcepts.topology import TopologicalSpace
@@ -107,7 +108,8 @@ def _fit_ensemble(
         prototype_constellations=tensors["prototypes.constellations"],
         object_names=tuple(name for i, name in enumerate(description["scan_names"]) if i not in skipped),
     )
-    ensemble._remember(dictionary, hierarchies)
+    imagined = ImaginedPrototypes(tensors["imagined.histograms"], tensors["imagined.prototypes"])
+    ensemble._remember(dictionary, hierarchies, imagined)
     if ensemble.columns == "prototypes":
         # On another processor the last bits, and so the sample, could be others.
         ensemble._sampled = tensors["stimuli.sources"]

@@ -85,6 +85,8 @@ def _tensors(state: ModelState) -> Tensors:
         "prototypes.motifs": hierarchies.prototype_vertices,
         "prototypes.objects": hierarchies.prototype_objects,
         "prototypes.constellations": hierarchies.prototype_constellations,
+        "imagined.histograms": state.ensemble.imagined_.histograms,
+        "imagined.prototypes": state.ensemble.imagined_.prototypes,
         "stimuli.sources": state.ensemble.columns_,
         "stimuli.row_lengths": np.diff(state.stimuli.indptr),
         "stimuli.columns": state.stimuli.indices,

@@ -18,6 +18,7 @@ from shapeconcepts.descriptors.described_object import DescribedObject
 from shapeconcepts.motifs.dictionary import SegmentDictionary
 from shapeconcepts.motifs.explanation import Explanation, explain
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
+from shapeconcepts.motifs.imagined_prototypes import ImaginedPrototypes
 from shapeconcepts.motifs.propagation import DecomposedObject, decompose_object, propagate
 from shapeconcepts.motifs.prototype_stimuli import PrototypeField, sampled_prototypes
 from shapeconcepts.motifs.stimuli import Activation, MotifField, sparse_rows
@@ -70,6 +71,9 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
     min_support : int
         For "motifs": smallest number of training objects in which a motif must have been seen to be a column
         of the stimuli.
+    n_occlusions : int
+        For "prototypes": how many imagined occlusions of each object are learned from, if it comes with any;
+        see `describe`.
     n_jobs : int or None
         As in joblib. The result does not depend on it.
 
@@ -78,6 +82,8 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
     dictionary_ : SegmentDictionary
     hierarchies_ : MotifHierarchies
         Vertices, edges and prototypes.
+    imagined_ : ImaginedPrototypes
+        What is left of the prototypes where the objects' imagined occlusions hide a part.
     field_ : PrototypeField or MotifField
         What stimuli come from, with the parameters that it was learned with: those that are set later take
         effect when more is learned.
@@ -92,6 +98,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
     """
 
     _field: PrototypeField | MotifField | None
+    _reminder_field: PrototypeField | None
     _sampled: NDArray[np.int64] | None
     _training_stimuli: csr_matrix | None
     _default_stages: ClassVar[dict[str, Callable[[], BaseEstimator]]] = {"dictionary": SegmentDictionary}
@@ -106,6 +113,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         "bandwidth": [positive_number()],
         "leave_own_out": ["boolean"],
         "min_support": [whole_number(1)],
+        "n_occlusions": [whole_number(0)],
         "n_jobs": [Integral, None],
     }
 
@@ -120,6 +128,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         bandwidth: float = 0.1,
         leave_own_out: bool = True,
         min_support: int = 2,
+        n_occlusions: int = 2,
         n_jobs: int | None = None,
     ) -> None:
         self.dictionary = dictionary
@@ -131,6 +140,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         self.bandwidth = bandwidth
         self.leave_own_out = leave_own_out
         self.min_support = min_support
+        self.n_occlusions = n_occlusions
         self.n_jobs = n_jobs
 
     @classmethod
@@ -141,7 +151,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         ----------
         name : {"default", "paper"}
             "paper" follows the paper: four levels of words under L2, every vertex a column, sigma 0.025, own
-            prototypes in.
+            prototypes in, nothing imagined.
 
         Raises
         ------
@@ -152,7 +162,9 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
             return cls()
         if name == "paper":
             dictionary = SegmentDictionary(n_levels=4, metric="euclidean")
-            return cls(dictionary, "motifs", bandwidth=0.025, leave_own_out=False, min_support=1)
+            return cls(
+                dictionary, "motifs", bandwidth=0.025, leave_own_out=False, min_support=1, n_occlusions=0
+            )
         raise ValueError(f"preset must be 'default' or 'paper', got {name!r}")
 
     def fit(self, X: Iterable[DescribedObject], y: object = None) -> MotifHierarchyEnsemble:
@@ -178,10 +190,10 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         objects = _checked_objects(X)
         if not objects:
             raise ValueError("X must hold at least one object, got none")
-        decomposed = _decomposed(objects)
+        decomposed, n_bins = _decomposed(objects), objects[0].description.n_bins
         dictionary = self._fitted_dictionary(decomposed)
-        nothing_seen = MotifHierarchies.empty(len(dictionary.words_), objects[0].description.n_bins)
-        return self._learn(decomposed, dictionary, nothing_seen)
+        nothing_seen = MotifHierarchies.empty(len(dictionary.words_), n_bins)
+        return self._learn(objects, decomposed, dictionary, nothing_seen, ImaginedPrototypes.empty(n_bins))
 
     def partial_fit(self, X: Iterable[DescribedObject], y: object = None) -> MotifHierarchyEnsemble:
         """Add objects to what was learned before; the dictionary stays as it is.
@@ -199,7 +211,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         objects = _checked_objects(X)
         if not objects:
             raise ValueError("X must hold at least one object, got none")
-        return self._learn(_decomposed(objects), self.dictionary_, self.hierarchies_)
+        return self._learn(objects, _decomposed(objects), self.dictionary_, self.hierarchies_, self.imagined_)
 
     def transform(self, X: Iterable[DescribedObject]) -> csr_matrix:
         """Stimuli of objects; what was learned does not change.
@@ -269,17 +281,57 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         if self._field is None:
             known, learned_with = self.hierarchies_, self._learned_with
             if learned_with["columns"] == "prototypes":
-                self._field = PrototypeField.of(
-                    known,
-                    self.columns_,
-                    learned_with["n_neighbours"],
-                    float(learned_with["resolution"]),
-                    float(learned_with["width"]),
-                )
+                self._field = self._prototype_field(known, self.columns_)
             else:
                 bandwidth = float(learned_with["bandwidth"])
                 self._field = MotifField.of(known, learned_with["min_support"], bandwidth)
         return self._field
+
+    def reminders(self, X: Iterable[DescribedObject]) -> csr_matrix:
+        """How much objects remind of each training object.
+
+        The stimuli of all its prototypes together, and of those that imagined occlusions leave of them: an
+        object of which a part is hidden reminds of what it is hidden of.
+
+        Parameters and errors are those of `transform`.
+
+        Returns
+        -------
+        (n, n_objects) csr_matrix of float64
+            A row sums to the share of the object's constellations that remind of anything.
+
+        Raises
+        ------
+        ValueError
+            If columns are "motifs", which forget the objects that they were seen in.
+        """
+        check_is_fitted(self, "hierarchies_")
+        if self._learned_with["columns"] != "prototypes":
+            raise ValueError("columns must be 'prototypes' for reminders, got 'motifs'")
+        if self._reminder_field is None:
+            joined, columns = self.imagined_.beside(self.hierarchies_, self.columns_)
+            self._reminder_field = self._prototype_field(joined, columns)
+        field, n_objects = self._reminder_field, self.hierarchies_.n_objects
+        propagations = propagate(_decomposed(_checked_objects(X)), self.dictionary_)
+        activations = [(p.histograms, self.hierarchies_.activated(p.words), -1) for p in propagations]
+        rows = sparse_rows(
+            list(map_in_order(field.row, activations, self.n_jobs, share_memory=True)), len(field.columns)
+        )
+        objects = field.hierarchies.prototype_objects[field.columns]
+        is_of = csr_matrix(
+            (np.ones(len(objects)), objects, np.arange(len(objects) + 1)), (len(objects), n_objects)
+        )
+        return csr_matrix(rows @ is_of)
+
+    def _prototype_field(self, hierarchies: MotifHierarchies, columns: NDArray[np.int64]) -> PrototypeField:
+        learned_with = self._learned_with
+        return PrototypeField.of(
+            hierarchies,
+            columns,
+            learned_with["n_neighbours"],
+            float(learned_with["resolution"]),
+            float(learned_with["width"]),
+        )
 
     @property
     def columns_(self) -> NDArray[np.int64]:
@@ -309,22 +361,28 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         return self._training_stimuli
 
     def _learn(
-        self, objects: list[DecomposedObject], dictionary: SegmentDictionary, hierarchies: MotifHierarchies
+        self,
+        objects: list[DescribedObject],
+        decomposed: list[DecomposedObject],
+        dictionary: SegmentDictionary,
+        hierarchies: MotifHierarchies,
+        imagined: ImaginedPrototypes,
     ) -> MotifHierarchyEnsemble:
-        propagations = propagate(objects, dictionary)
-        return self._remember(
-            dictionary, hierarchies.with_objects(propagations, [one.name for one in objects])
-        )
+        propagations = propagate(decomposed, dictionary)
+        hierarchies = hierarchies.with_objects(propagations, [one.name for one in decomposed])
+        imagined = imagined.with_objects(objects, hierarchies, self.n_occlusions, float(self.resolution))
+        return self._remember(dictionary, hierarchies, imagined)
 
     def _remember(
-        self, dictionary: SegmentDictionary, hierarchies: MotifHierarchies
+        self, dictionary: SegmentDictionary, hierarchies: MotifHierarchies, imagined: ImaginedPrototypes
     ) -> MotifHierarchyEnsemble:
-        """Be fitted: all else follows from dictionary, hierarchies and parameters."""
+        """Be fitted: all else follows from dictionary, hierarchies, imagined prototypes and parameters."""
         self.dictionary_ = dictionary
         self.hierarchies_ = hierarchies
+        self.imagined_ = imagined
         self.n_features_in_ = hierarchies.prototypes.shape[1]
         self._learned_with = {k: v for k, v in self.get_params(deep=False).items() if k != "dictionary"}
-        self._field = self._sampled = self._training_stimuli = None
+        self._field = self._sampled = self._training_stimuli = self._reminder_field = None
         return self
 
     def _fitted_dictionary(self, objects: list[DecomposedObject]) -> SegmentDictionary:

@@ -1,0 +1,142 @@
+"""How often new scans are told right when a part of them is hidden.
+
+    python benchmarks/hidden_parts.py [--only SET ...] [--seeds SEED ...] [--splits N]
+
+Learned from 75 % of the scans. The others are predicted as they are, with a third, a half and two thirds of
+the points hidden beyond a random line in the image, and with whole segments hidden (one of two, two of more;
+of scans of several segments). Shown is the share of errors, as medians over splits: of `predict`, where the
+right concept is one in which most have the scan's label, and unknown is an error; of the label of whose scans
+a scan reminds most; and of the majority label of the five nearest whole-object histograms, of the training
+scans alone and with their imagined occlusions. The last three use labels; concepts do not.
+"""
+
+import os
+
+os.environ["OMP_NUM_THREADS"] = "1"
+
+import warnings
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from changed_scans import segments_hidden, share_hidden
+from common import command, print_table
+from concept_scores import SETS, scans_by_set
+from shapeconcepts import DescribedObject, Scan, ScanError, ShapeConceptModel, describe, segment
+from shapeconcepts.concepts.recognition import concept_shares
+from shapeconcepts.evaluation.splits import stratified_splits
+from shapeconcepts.topology import jensen_shannon_divergences
+
+ALL_SETS = (*SETS, "household_meshes", "atwork_parts")
+SEEDS = (400, 401, 402)
+N_NEAREST = 5
+CHANGES = {
+    "nothing": lambda scan, rng: scan,
+    "1/3": partial(share_hidden, share=1 / 3),
+    "1/2": partial(share_hidden, share=1 / 2),
+    "2/3": partial(share_hidden, share=2 / 3),
+    "segments": segments_hidden,
+}
+RIVALS = ("predict", "by label", "whole", "whole + occlusions")
+
+
+def changed(scans: list[Scan], number: int) -> list[DescribedObject | None]:
+    """Scans after one of the changes, described; None where that is not possible."""
+    change, objects = list(CHANGES.values())[number], []
+    for index, scan in enumerate(scans):
+        try:
+            different = change(scan, np.random.default_rng((number, index)))
+            objects.append(different and describe(segment(different)))
+        except ScanError:
+            objects.append(None)
+    return objects
+
+
+def majority_labels(
+    new: NDArray[np.float64], known: NDArray[np.float64], labels: NDArray[np.str_]
+) -> NDArray[np.str_]:
+    """Majority label of the five nearest histograms, of equals that of the nearest of them."""
+    nearest = np.argsort(jensen_shannon_divergences(new, known), axis=1, kind="stable")[:, :N_NEAREST]
+    found = []
+    for row in labels[nearest]:
+        names, first, counts = np.unique(row, return_index=True, return_counts=True)
+        found.append(names[np.lexsort((first, -counts))[0]])
+    return np.array(found)
+
+
+def errors(
+    training: list[DescribedObject], labels: NDArray[np.str_], new: dict[str, list[DescribedObject | None]],
+    new_labels: NDArray[np.str_],
+) -> NDArray[np.float64]:  # fmt: skip
+    """Share of errors of each rival, (changes, rivals)."""
+    model = ShapeConceptModel().fit(training)
+    of_concept = []
+    for concept in model.concepts_:
+        members, counts = np.unique(labels[concept.members], return_counts=True)
+        of_concept.append(members[counts.argmax()])
+    names, label_of = np.unique(labels, return_inverse=True)
+    whole = np.array([one.description.whole() for one in training])
+    left = [(rest.description.whole(), label) for one, label in zip(training, labels, strict=True)
+            for rest, _ in one.occlusions]  # fmt: skip
+    with_left = np.concatenate([whole, [row for row, _ in left]])
+    labels_with_left = np.concatenate([labels, [label for _, label in left]])
+    table = []
+    for objects in new.values():
+        usable = [i for i, one in enumerate(objects) if one]
+        some, truth = [objects[i] for i in usable], new_labels[usable]
+        rows = np.array([one.description.whole() for one in some])
+        told = (
+            np.array([*of_concept, "?"])[model.predict(some)],
+            names[concept_shares(model.ensemble_.reminders(some), label_of, len(names)).argmax(axis=1)],
+            majority_labels(rows, whole, labels),
+            majority_labels(rows, with_left, labels_with_left),
+        )
+        table.append([(one != truth).mean() for one in told])
+    return np.array(table)
+
+
+def instances_of(name: str, scans: list[Scan]) -> list[str] | None:
+    """The mesh that each scan is a view of, where there are several views: none is on both sides."""
+    return [scan.name.rpartition("_")[0] for scan in scans] if name == "household_meshes" else None
+
+
+def main() -> None:
+    parser = command(__doc__)
+    parser.add_argument("--only", nargs="+", choices=ALL_SETS, default=ALL_SETS, metavar="SET")
+    parser.add_argument("--seeds", nargs="+", type=int, default=SEEDS, metavar="SEED")
+    parser.add_argument("--splits", type=int, default=5, metavar="N")
+    options = parser.parse_args()
+    warnings.simplefilter("ignore")
+    lines = []
+    for name, scans in scans_by_set(parser, options.only, options.seeds).items():
+        n_occlusions = ShapeConceptModel().get_params()["ensemble__n_occlusions"]
+        usable, learned = [], []
+        for scan in scans:
+            try:
+                learned.append(describe(segment(scan), n_occlusions=n_occlusions))
+                usable.append(scan)
+            except ScanError:
+                continue
+        labels = np.array([scan.label for scan in usable])
+        versions = {change: changed(usable, number) for number, change in enumerate(CHANGES)}
+        results = [
+            errors(
+                [learned[i] for i in training],
+                labels[training],
+                {change: [objects[i] for i in new] for change, objects in versions.items()},
+                labels[new],
+            )
+            for training, new in stratified_splits(
+                labels, options.splits, random_state=0, instances=instances_of(name, usable)
+            )
+        ]
+        for change, row in zip(CHANGES, np.median(results, axis=0), strict=True):
+            lines.append([name, change, *(f"{cell:.3f}" for cell in row)])
+            print(*lines[-1], flush=True)
+    print()
+    print_table(("set", "hidden", *RIVALS), lines)
+
+
+if __name__ == "__main__":
+    main()

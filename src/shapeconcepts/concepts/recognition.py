@@ -1,0 +1,57 @@
+"""Which concept a scan belongs to: the one of whose members it reminds most."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+
+
+class Recognition(NamedTuple):
+    """What a model says of scans.
+
+    Attributes
+    ----------
+    concepts : (m,) int64
+        Concept of each scan, -1 where it is unknown.
+    responses : (m, n_concepts) float64
+        Paper, equation 3; smaller is more alike. NaN in the row of a scan without any stimulus.
+    shares : (m, n_concepts) float64 or None
+        Share of what each scan reminds of that the members of each concept have, 0 to 1; zeros where it
+        reminds of nothing, and None where the stimuli are of motifs, which know no members.
+    """
+
+    concepts: NDArray[np.int64]
+    responses: NDArray[np.float64]
+    shares: NDArray[np.float64] | None
+
+
+def concept_shares(
+    reminders: csr_matrix, concepts: NDArray[np.integer], n_concepts: int
+) -> NDArray[np.float64]:
+    """Share of what scans remind of that the members of each concept have.
+
+    Parameters
+    ----------
+    reminders : (m, n) csr_matrix of float64
+        How much each scan reminds of each training object.
+    concepts : (n,) int
+        Concept of each training object, -1 for none.
+    n_concepts : int
+
+    Returns
+    -------
+    (m, n_concepts) float64
+        Rows sum to 1 at most: what objects in no concept remind of belongs to none.
+    """
+    # Row by row: summed over a matrix, the rounding of a row would depend on how many there are.
+    shares = np.zeros((reminders.shape[0], n_concepts))
+    for row, (start, end) in enumerate(zip(reminders.indptr[:-1], reminders.indptr[1:], strict=True)):
+        of, weights = concepts[reminders.indices[start:end]], reminders.data[start:end]
+        total = weights.sum()
+        if total > 0:
+            known = of >= 0
+            shares[row] = np.bincount(of[known], weights[known], n_concepts) / total
+    return shares
