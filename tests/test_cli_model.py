@@ -15,6 +15,7 @@ from scipy.sparse import csr_matrix
 from typer.testing import CliRunner
 
 import shapeconcepts
+from shapeconcepts import MotifHierarchyEnsemble
 from shapeconcepts.cli import app
 from shapeconcepts.io.write_pcd import write_pcd
 from shapeconcepts.scan import Scan
@@ -138,10 +139,10 @@ def test_a_table_of_many_concepts_shows_the_nearest(
 
 
 def test_a_scan_without_a_stimulus_is_unknown(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def nothing(self: shapeconcepts.ShapeConceptModel, scans: Iterable[object]) -> csr_matrix:
-        return csr_matrix((len(list(scans)), self.stimuli_.shape[1]))
+    def nothing(self: MotifHierarchyEnsemble, scans: Iterable[object]) -> csr_matrix:
+        return csr_matrix((len(list(scans)), len(self.columns_)))
 
-    monkeypatch.setattr(shapeconcepts.ShapeConceptModel, "stimuli", nothing)
+    monkeypatch.setattr(MotifHierarchyEnsemble, "transform", nothing)
     arguments = ("respond", folder / "m.safetensors", folder / "new" / "can" / "can_0.pcd")
     line = json.loads(run(*arguments, "--format", "jsonl").stdout)
     assert line["number"] == -1

@@ -120,15 +120,15 @@ def test_a_report_of_all_but_one(folder: Path, tmp_path: Path, monkeypatch: pyte
 
 
 def test_a_response_that_fails_is_told_from_the_others(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    stimuli = ShapeConceptModel.stimuli
+    recognise = ShapeConceptModel.recognise
 
     def fails(model: ShapeConceptModel, objects: object) -> object:
         known = list(objects)  # type: ignore[call-overload]
         if any(one.name == BAD for one in known):
             raise MemoryError
-        return stimuli(model, known)
+        return recognise(model, known)
 
-    monkeypatch.setattr(ShapeConceptModel, "stimuli", fails)
+    monkeypatch.setattr(ShapeConceptModel, "recognise", fails)
     result = run("respond", folder / "m", folder / "scans", "--format", "csv", "--jobs", 1)
     assert result.exit_code == 0
     assert len(result.stdout.splitlines()) == 8 and BAD not in result.stdout

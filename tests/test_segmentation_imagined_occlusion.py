@@ -1,6 +1,7 @@
 """Imagined occlusions: what they hide, and what they depend on."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -8,6 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from shapeconcepts import datasets, segment
 from shapeconcepts.segmentation.imagined_occlusion import HIDDEN_SHARES, MIN_VOXELS, imagine_occlusion
+
+SHIFT = np.array([0.3, -0.2, 5.0])
 
 
 @pytest.fixture(scope="module")
@@ -29,9 +32,7 @@ def test_the_rest_is_a_part_of_the_object(objects):
             assert (np.diff(segments) > 0).all() and segments[-1] < segmented.n_segments
             counts = np.bincount(rest.segment_labels, minlength=rest.n_segments)
             assert len(counts) == rest.n_segments and counts.min() >= MIN_VOXELS
-            label_of = dict(
-                zip(map(tuple, segmented.points), segmented.segment_labels.tolist(), strict=True)
-            )
+            label_of = dict(zip(map(tuple, segmented.points), segmented.segment_labels.tolist(), strict=True))
             whole = [label_of[tuple(point)] for point in rest.points]
             assert np.array_equal(segments[rest.segment_labels], whole)
             known = {tuple(edge) for edge in segmented.segment_edges.tolist()}
@@ -58,21 +59,21 @@ def test_pose_does_not_matter(objects):
     for segmented in objects[::5]:
         moved = replace(
             segmented,
-            points=turn.apply(segmented.points) + [0.3, -0.2, 5.0],
+            points=turn.apply(segmented.points) + SHIFT,
             normals=turn.apply(segmented.normals),
         )
         for number in range(3):
             here = imagine_occlusion(segmented, number)
             there = imagine_occlusion(moved, number)
             assert np.array_equal(here.segments, there.segments)
-            expected = turn.apply(here.segmented.points) + [0.3, -0.2, 5.0]
+            expected = turn.apply(here.segmented.points) + SHIFT
             assert np.allclose(there.segmented.points, expected, atol=1e-9)
 
 
 def test_each_number_is_another_occlusion_and_the_same_each_time(objects):
     segmented = max(objects, key=lambda one: one.n_segments)
     seen = [visible_points(segmented, number) for number in range(3)]
-    assert not any(np.array_equal(a, b) for a, b in zip(seen, seen[1:], strict=False))
+    assert not any(np.array_equal(a, b) for a, b in pairwise(seen))
     assert np.array_equal(seen[0], visible_points(segmented, 0))
 
 

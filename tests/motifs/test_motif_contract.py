@@ -49,6 +49,7 @@ def given() -> dict[str, object]:
         "bandwidth": 1,
         "leave_own_out": np.bool_(False),
         "min_support": np.int64(1),
+        "n_occlusions": np.int64(1),
         "n_jobs": np.int64(1),
     }
 

@@ -36,6 +36,7 @@ def test_clone_and_parameters(dictionary, train):
         bandwidth=0.2,
         leave_own_out=False,
         min_support=3,
+        n_occlusions=1,
         n_jobs=2,
     )
     copied = clone(model.fit(train))
@@ -52,6 +53,7 @@ def test_clone_and_parameters(dictionary, train):
         "min_support": 3,
         "n_neighbours": 7,
         "n_jobs": 2,
+        "n_occlusions": 1,
         "resolution": 0.05,
         "width": 0.5,
     }

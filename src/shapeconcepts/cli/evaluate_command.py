@@ -20,7 +20,7 @@ from shapeconcepts.cli.labelled_input import (
 )
 from shapeconcepts.cli.model_input import one_thread
 from shapeconcepts.cli.object_reader import ObjectReader, simulated_objects, user_cache
-from shapeconcepts.cli.options import Jobs, Json, check_jobs
+from shapeconcepts.cli.options import Jobs, Json, Views, check_jobs
 from shapeconcepts.cli.terminal import (
     busy,
     check_writable,
@@ -65,6 +65,7 @@ def evaluate(
             "agree on what things are called. Can be given several times.",
         ),
     ] = None,
+    views: Views = None,
     report: Annotated[
         Path | None,
         typer.Option(
@@ -129,7 +130,7 @@ def evaluate(
     _check_libraries()
     with one_thread():
         result, failures = _evaluate(
-            data or [], also or [], renames, preset, repetitions, jobs, no_cache, report, figures
+            data or [], also or [], renames, views, preset, repetitions, jobs, no_cache, report, figures
         )
     if as_json:
         from shapeconcepts.evaluation.json_document import plain_values
@@ -157,6 +158,7 @@ def _evaluate(
     data: list[Path],
     also: list[Path],
     renames: dict[str, str],
+    views: int | None,
     preset: str,
     repetitions: int,
     jobs: int,
@@ -180,7 +182,7 @@ def _evaluate(
         cache=None if no_cache else user_cache(),
         keep_segmented=True,
     )
-    trained, *others = sets = _data_sets(data, also, renames, reader, jobs)
+    trained, *others = sets = _data_sets(data, also, renames, views, reader, jobs)
     segmenting = perf_counter() - start
     skipped = [scan for one in sets for scan in one.skipped]
     say_skipped(skipped, len(skipped) + sum(len(one.segmented) for one in sets))
@@ -205,7 +207,12 @@ def _evaluate(
 
 
 def _data_sets(
-    data: list[Path], also: list[Path], renames: dict[str, str], reader: ObjectReader, jobs: int
+    data: list[Path],
+    also: list[Path],
+    renames: dict[str, str],
+    views: int | None,
+    reader: ObjectReader,
+    jobs: int,
 ) -> list[SegmentedSet]:
     """What is learned from, and the other data sets."""
     sets: list[tuple[str, list[Source], list[tuple[str, str]]]] = []
@@ -213,7 +220,7 @@ def _data_sets(
     if not data:
         sets.append((SIMULATED, [*simulated_objects()], []))
     for paths in [*([data] if data else []), *([path] for path in also)]:
-        scans, skipped = read_labelled(paths)
+        scans, skipped = read_labelled(paths, views)
         labels |= {str(scan.label) for scan in scans}
         name = data_name(paths)
         if name in {other for other, _, _ in sets}:

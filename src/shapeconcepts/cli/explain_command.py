@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -150,11 +151,14 @@ class _TrainingObjects(Sequence["SegmentedObject"]):
 
     def __getitem__(self, index: Any) -> Any:
         from shapeconcepts.scan import ScanError
+        from shapeconcepts.sources.mesh_views import mesh_and_count
 
         name = self._names[index]
         file = self._file(name)
         assert file is not None
-        for one in self._reader(file):
+        view = mesh_and_count(name)
+        reader = replace(self._reader, n_views=view[1]) if view else self._reader
+        for one in reader(file):
             if one.name == name and one.segmented is not None:
                 return one.segmented
         raise ScanError(
@@ -162,7 +166,7 @@ class _TrainingObjects(Sequence["SegmentedObject"]):
         )
 
     def _file(self, name: str) -> ScanFile | None:
-        # An object of a scene is called after the scene, with a number.
+        # An object of a scene is called after the scene, and a view after its mesh, with a number.
         return self._file_of.get(name) or self._file_of.get(name.rpartition("/")[0])
 
 

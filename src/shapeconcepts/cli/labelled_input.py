@@ -63,9 +63,12 @@ def segment_set(
     return found
 
 
-def read_labelled(paths: Sequence[Path]) -> tuple[list[Scan], list[tuple[str, str]]]:
-    """Labelled scans in folders, and the files that cannot be used; ends the command where there is none."""
-    from shapeconcepts.datasets import load_labelled
+def read_labelled(paths: Sequence[Path], n_views: int | None) -> tuple[list[Scan], list[tuple[str, str]]]:
+    """Labelled scans in folders, and the files that cannot be used; ends the command where there is none.
+
+    With a number of views, each mesh is scanned from so many sides.
+    """
+    from shapeconcepts.datasets import load_labelled, load_views
     from shapeconcepts.scan import ScanError
 
     scans: list[Scan] = []
@@ -75,7 +78,7 @@ def read_labelled(paths: Sequence[Path]) -> tuple[list[Scan], list[tuple[str, st
             with busy(f"Reading {path}"), warnings.catch_warnings():
                 # What is left out is listed at the end.
                 warnings.simplefilter("ignore")
-                found = load_labelled(path)
+                found = load_labelled(path) if n_views is None else load_views(path, n_views)
         except ScanError as error:
             fail(str(error))
         scans += found

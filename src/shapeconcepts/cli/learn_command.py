@@ -25,6 +25,7 @@ from shapeconcepts.cli.options import (
     Mask,
     Scenes,
     Strict,
+    Views,
     VoxelSize,
     check_jobs,
     read_options,
@@ -108,6 +109,7 @@ def learn(
     ] = None,
     granularity: Granularity = None,
     voxel_size: VoxelSize = None,
+    views: Views = None,
     scenes: Scenes = None,
     intrinsics: Intrinsics = None,
     depth_scale: DepthScale = 0.001,
@@ -166,6 +168,7 @@ def learn(
         cache=None if no_cache else user_cache(),
         make_preview=report is not None,
         n_occlusions=learner.get_params()["ensemble__n_occlusions"],
+        n_views=views,
     )
     with one_thread():
         collection = _collect(sources, reader, jobs, strict)

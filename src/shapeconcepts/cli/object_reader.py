@@ -75,6 +75,8 @@ class ObjectReader:
         What to hand back besides descriptions.
     n_occlusions : int
         Imagined ones that come with each description.
+    n_views : int or None
+        From how many sides meshes are scanned; None: from one.
     """
 
     reading: ReadOptions
@@ -85,6 +87,7 @@ class ObjectReader:
     keep_segmented: bool = False
     make_preview: bool = False
     n_occlusions: int = 0
+    n_views: int | None = None
 
     def __call__(self, source: Source) -> list[ReadObject]:
         """Objects of a source; never raises for what is wrong with a scan."""
@@ -108,12 +111,16 @@ class ObjectReader:
         from shapeconcepts.datasets import simulate_scan
         from shapeconcepts.scan import Scan, ScanError
         from shapeconcepts.sources.collection import iter_scans
+        from shapeconcepts.sources.mesh_views import views_of_file
         from shapeconcepts.sources.osd import is_labelled_scene, scene_objects
 
         if isinstance(source, Scan):
             return [source]
         if isinstance(source, SimulatedObject):
             return [simulate_scan(source.category, source.index)]
+        views = views_of_file(source, self.n_views) if self.n_views else []
+        if views:
+            return views
         [scan] = iter_scans([source], **self.reading)
         if isinstance(scan, ScanError):
             raise scan
@@ -201,7 +208,7 @@ class ObjectReader:
             return None
         camera = (self.reading.get("intrinsics"), self.reading.get("depth_scale"))
         # The suffix tells how the file is read.
-        parameters = (source.path.suffix.lower(), self.scenes, camera, self._segmentation)
+        parameters = (source.path.suffix.lower(), self.scenes, camera, self.n_views, self._segmentation)
         return self.cache.key(content, parameters)
 
 
@@ -214,8 +221,12 @@ def _uncalled(segmented: SegmentedObject, source: Source) -> SegmentedObject:
 def _called(segmented: SegmentedObject, source: Source) -> SegmentedObject:
     """An object of the cache as it is called now: the file may have been moved."""
     from shapeconcepts.sources.collection import ScanFile
+    from shapeconcepts.sources.mesh_views import mesh_and_count
     from shapeconcepts.sources.osd import scene_category
 
+    view = f"{source.name}/{segmented.name}"
+    if mesh_and_count(view):
+        return replace(segmented, name=view, label=source.label)
     if segmented.name == "" or not isinstance(source, ScanFile):
         return replace(segmented, name=source.name, label=source.label)
     stem = source.path.stem

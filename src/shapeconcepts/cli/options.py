@@ -43,6 +43,16 @@ VoxelSize = Annotated[
         show_default="auto",
     ),
 ]
+Views = Annotated[
+    int | None,
+    typer.Option(
+        min=1,
+        metavar="N",
+        help="Scan each mesh with the simulated sensor from N sides spread over the sphere around it. By "
+        "default it is scanned from one. Other files stay single scans.",
+        show_default=False,
+    ),
+]
 Scenes = Annotated[
     bool | None,
     typer.Option(

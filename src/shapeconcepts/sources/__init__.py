@@ -3,6 +3,7 @@
 from shapeconcepts.sources.collection import ScanFile, ScanList, find_scan_files, iter_scans, read_scans
 from shapeconcepts.sources.conversion import as_scan
 from shapeconcepts.sources.labelled_folder import load_labelled
+from shapeconcepts.sources.mesh_views import load_views
 from shapeconcepts.sources.oscd import load_oscd, split_of
 from shapeconcepts.sources.osd import load_osd
 from shapeconcepts.sources.reader import SCAN_SUFFIXES, read_scan
@@ -19,6 +20,7 @@ __all__ = [
     "load_labelled",
     "load_oscd",
     "load_osd",
+    "load_views",
     "load_washington",
     "read_scan",
     "read_scans",

@@ -25,6 +25,7 @@ from shapeconcepts.io.text_table import read_text_table
 from shapeconcepts.io.viewpoint import finite_rows
 from shapeconcepts.scan import Scan, ScanError, scan_errors
 from shapeconcepts.simulation.sensor import scan_mesh
+from shapeconcepts.simulation.views import views
 
 Viewpoint = ArrayLike | Literal["auto"] | None
 
@@ -42,6 +43,7 @@ _READERS: dict[str, Callable[[bytes], Cloud | Mesh]] = {
     ".glb": read_glb,
 }
 SCAN_SUFFIXES = (*_READERS, ".png")
+MESH_SUFFIXES = (".ply", ".obj", ".stl", ".off", ".glb")
 
 
 def read_scan(
@@ -102,8 +104,7 @@ def read_scan(
     ValueError
         If a parameter is out of range.
     """
-    path = Path(path)
-    suffix = path.suffix.lower()
+    path, suffix = Path(path), Path(path).suffix.lower()
     check_camera(intrinsics, depth_scale)
     if mask is not None and suffix != ".png":
         raise ValueError(f"mask is for depth images (.png), got one for {path}")
@@ -120,7 +121,47 @@ def read_scan(
     return scan if isinstance(viewpoint, str) else replace(scan, viewpoint=position)
 
 
+def read_views(path: str | PathLike[str], n_views: int) -> list[Scan]:
+    """Scans of a mesh from sides spread over the sphere around it, see `datasets.views`.
+
+    Parameters
+    ----------
+    path : str or path
+        .obj, .stl, .off, .glb, or .ply with faces; see `read_scan`.
+    n_views : int
+        From 1.
+
+    Returns
+    -------
+    list of Scan
+        Empty where the file holds something else than a mesh.
+
+    Raises
+    ------
+    ScanError
+        If the file cannot be read, or the mesh not be scanned.
+    ValueError
+        If `n_views` is not a positive integer.
+    """
+    path, suffix = Path(path), Path(path).suffix.lower()
+    if suffix not in MESH_SUFFIXES:
+        return []
+    with scan_errors(str(path), "read"):
+        data = _content(path, suffix)
+        content = _read(path, lambda: _READERS[suffix](data))
+        if isinstance(content, Cloud):
+            return []
+        return views(content.vertices, content.faces, n_views, name=str(path))
+
+
 def _scan(path: Path, read: Callable[[], Cloud | Mesh]) -> Scan:
+    content = _read(path, read)
+    if isinstance(content, Cloud):
+        return Scan(content.points, content.viewpoint, str(path), None, content.point_labels)
+    return scan_mesh(content.vertices, content.faces, random_state=0, name=str(path))
+
+
+def _read(path: Path, read: Callable[[], Cloud | Mesh]) -> Cloud | Mesh:
     try:
         content = read()
         if isinstance(content, Cloud):
@@ -130,9 +171,7 @@ def _scan(path: Path, read: Callable[[], Cloud | Mesh]) -> Scan:
                 raise ScanError("holds no point with finite x, y and z")
     except ScanError as error:
         raise ScanError(f"{path}: {error}") from None
-    if isinstance(content, Cloud):
-        return Scan(content.points, content.viewpoint, str(path), None, content.point_labels)
-    return scan_mesh(content.vertices, content.faces, random_state=0, name=str(path))
+    return content
 
 
 def _checked_position(viewpoint: ArrayLike) -> np.ndarray:
