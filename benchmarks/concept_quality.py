@@ -197,7 +197,8 @@ def main() -> None:
     for data, scans in scans_by_set(parser, options.only, options.seeds).items():
         labels = np.array([scan.label for scan in scans])
         unchanged = [segment(scan) for scan in scans]
-        described = [describe(one) for one in unchanged]
+        n_occlusions = ShapeConceptModel().get_params()["ensemble__n_occlusions"]
+        described = [describe(one, n_occlusions=n_occlusions) for one in unchanged]
         all_splits = stratified_splits(labels, 4 * options.repeats, random_state=0)
         all_results = on_splits(fit, described, labels, all_splits)
         splits, results = all_splits[: options.repeats], all_results[: options.repeats]
