@@ -17,6 +17,7 @@ os.environ["OMP_NUM_THREADS"] = "1"
 
 import time
 import warnings
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -117,7 +118,7 @@ def cost(scans: list[Scan]) -> tuple[float, float]:
     return float(np.divide(*np.median(seconds, axis=0))), sizes[0] / sizes[1]
 
 
-def instances_of(name: str, scans: list[Scan]) -> list[str] | None:
+def instances_of(name: str, scans: Sequence[Scan | DescribedObject]) -> list[str] | None:
     """The mesh that each scan is a view of, where there are several views: none is on both sides."""
     return [scan.name.rpartition("_")[0] for scan in scans] if name == "household_meshes" else None
 

@@ -492,3 +492,30 @@ def test_concepts_at_another_granularity(model, new):
     np.testing.assert_array_equal(fine.transform(new), expected.transform(model.stimuli(new)))
     with pytest.raises(ValueError, match="granularity must be a number from 0 to 1, got 2"):
         model.at_granularity(2)
+
+
+def test_responses_of_the_whole_tree(model, segmented):
+    tree = model.concept_tree_
+    distances = model.response_.distances(model.stimuli_)
+    placed = np.flatnonzero(model.labels_ >= 0)
+    of_training, of_new = model.transform_tree(), model.transform_tree(segmented[:5])
+    assert of_training.shape == (len(model.labels_), len(tree.parents))
+    assert of_new.shape == (5, len(tree.parents))
+    to_new = model.response_.distances(model.stimuli(segmented[:5]))
+    for group in range(len(tree.parents)):
+        members = tree.members(group)
+        columns = np.searchsorted(placed, members)
+        assert np.allclose(of_new[:, group], to_new[:, columns].mean(axis=1))
+        for scan in range(0, len(model.labels_), 5):
+            others = columns[members != scan]
+            assert np.isclose(of_training[scan, group], distances[scan, others].mean())
+    # Those of the concepts are among them.
+    of_concepts = model.transform(segmented[:5])
+    cut = tree.cut(model.filtration_.granularity_)
+    assert np.allclose(np.sort(of_new[:, cut], axis=1), np.sort(of_concepts, axis=1))
+
+
+def test_there_is_no_tree_where_a_time_makes_concepts(segmented):
+    model = ShapeConceptModel.preset("paper").fit(segmented)
+    with pytest.raises(ValueError, match="no significant splits"):
+        model.transform_tree(segmented[:2])

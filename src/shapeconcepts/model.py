@@ -16,6 +16,7 @@ from sklearn.utils._param_validation import HasMethods
 from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.concepts import Concept, ConceptResponse, ConceptTree, Filtration
+from shapeconcepts.concepts.concept_tree import group_responses
 from shapeconcepts.concepts.recognition import Recognition, concept_shares
 from shapeconcepts.descriptors import (
     DescribedObject,
@@ -238,6 +239,37 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         """
         stimuli = self.stimuli(X)
         return self.response_.transform(stimuli)
+
+    def transform_tree(self, X: Iterable[object] | None = None) -> NDArray[np.float64]:
+        """Responses of all groups of `concept_tree_`, coarse to fine: more to tell scans apart by.
+
+        Parameters, errors and warnings are those of `transform`, and more:
+
+        Parameters
+        ----------
+        X : iterable or None
+            None: the training scans, each compared with the others only, as a new scan would be.
+
+        Returns
+        -------
+        (m, n_groups) float64
+            A column for each group of `concept_tree_`.
+
+        Raises
+        ------
+        ValueError
+            If there is no tree, as a time makes the concepts.
+        """
+        check_is_fitted(self, "response_")
+        tree = self.filtration_._tree()
+        distances = self.response_.distances(self.stimuli_ if X is None else self.stimuli(X))
+        placed = np.flatnonzero(self.labels_ >= 0)
+        if X is not None:
+            return group_responses(distances, tree, placed)
+        responses = np.full((len(self.labels_), len(tree.parents)), np.nan)
+        responses[self.labels_ < 0] = group_responses(distances[self.labels_ < 0], tree, placed)
+        responses[placed] = group_responses(distances[placed], tree, placed, own=True)
+        return responses
 
     def predict(self, X: Iterable[object]) -> NDArray[np.int64]:
         """Concept of whose members each scan reminds most, -1 for a scan unlike all.
