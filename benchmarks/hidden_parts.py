@@ -1,10 +1,11 @@
-"""How often new scans are told right when a part of them is hidden.
+"""How often new scans are told right when a part of them is hidden, or something foreign is left in them.
 
     python benchmarks/hidden_parts.py [--only SET ...] [--seeds SEED ...] [--splits N]
 
 Learned from 75 % of the scans. The others are predicted as they are, with a third, a half and two thirds of
 the points hidden beyond a random line in the image, and with whole segments hidden (one of two, two of more;
-of scans of several segments). Shown is the share of errors, as medians over splits: of `predict`, where the
+of scans of several segments); and with foreign points, 10, 20 and 30 % of all: a part of an object of
+another label that touches them, or a strip of a table. Shown is the share of errors, as medians over splits: of `predict`, where the
 right concept is one in which most have the scan's label, and unknown is an error; of the label of whose scans
 a scan reminds most; and of the majority label of the five nearest whole-object histograms, of the training
 scans alone and with their imagined occlusions. The last three use labels; concepts do not. Last comes what
@@ -17,7 +18,7 @@ os.environ["OMP_NUM_THREADS"] = "1"
 
 import time
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -25,7 +26,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import NDArray
 
-from changed_scans import segments_hidden, share_hidden
+from changed_scans import foreign_object, segments_hidden, share_hidden, table_strip
 from common import command, print_table
 from concept_scores import SETS, scans_by_set
 from shapeconcepts import DescribedObject, Scan, ScanError, ShapeConceptModel, describe, segment
@@ -35,20 +36,28 @@ from shapeconcepts.topology import jensen_shannon_divergences
 
 ALL_SETS = (*SETS, "household_meshes", "atwork_parts")
 SEEDS = (400, 401, 402)
+Change = Callable[[Scan, np.random.Generator], Scan | None]
 N_NEAREST = 5
-CHANGES = {
-    "nothing": lambda scan, rng: scan,
-    "1/3": partial(share_hidden, share=1 / 3),
-    "1/2": partial(share_hidden, share=1 / 2),
-    "2/3": partial(share_hidden, share=2 / 3),
-    "segments": segments_hidden,
-}
+FOREIGN = (0.1, 0.2, 0.3)
 RIVALS = ("predict", "by label", "whole", "whole + occlusions")
 
 
-def changed(scans: list[Scan], number: int) -> list[DescribedObject | None]:
-    """Scans after one of the changes, described; None where that is not possible."""
-    change, objects = list(CHANGES.values())[number], []
+def changes(scans: list[Scan]) -> dict[str, Change]:
+    """What is done to new scans, which may be joined with parts of any others."""
+    found: dict[str, Change] = {"nothing": lambda scan, rng: scan}
+    for title, share in (("1/3", 1 / 3), ("1/2", 1 / 2), ("2/3", 2 / 3)):
+        found[f"{title} hidden"] = partial(share_hidden, share=share)
+    found["segments hidden"] = segments_hidden
+    for share in FOREIGN:
+        found[f"{share:.0%} other object"] = partial(foreign_object, share=share, others=scans)
+    for share in FOREIGN:
+        found[f"{share:.0%} table"] = partial(table_strip, share=share)
+    return found
+
+
+def changed(scans: list[Scan], change: Change, number: int) -> list[DescribedObject | None]:
+    """Scans after a change, described; None where that is not possible."""
+    objects = []
     for index, scan in enumerate(scans):
         try:
             different = change(scan, np.random.default_rng((number, index)))
@@ -141,25 +150,28 @@ def main() -> None:
             except ScanError:
                 continue
         labels = np.array([scan.label for scan in usable])
-        versions = {change: changed(usable, number) for number, change in enumerate(CHANGES)}
+        versions = {
+            title: changed(usable, change, number)
+            for number, (title, change) in enumerate(changes(usable).items())
+        }
         results = [
             errors(
                 [learned[i] for i in training],
                 labels[training],
-                {change: [objects[i] for i in new] for change, objects in versions.items()},
+                {title: [objects[i] for i in new] for title, objects in versions.items()},
                 labels[new],
             )
             for training, new in stratified_splits(
                 labels, options.splits, random_state=0, instances=instances_of(name, usable)
             )
         ]
-        for change, row in zip(CHANGES, np.median(results, axis=0), strict=True):
-            lines.append([name, change, *(f"{cell:.3f}" for cell in row)])
+        for title, row in zip(versions, np.median(results, axis=0), strict=True):
+            lines.append([name, title, *(f"{cell:.3f}" for cell in row)])
             print(*lines[-1], flush=True)
         costs.append([name, *(f"{ratio:.2f}" for ratio in cost(usable))])
         print(*costs[-1], flush=True)
     print()
-    print_table(("set", "hidden", *RIVALS), lines)
+    print_table(("set", "new scans", *RIVALS), lines)
     print()
     print_table(("set", "time to learn", "model file"), costs)
 

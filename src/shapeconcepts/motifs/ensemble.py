@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import partial
 from numbers import Integral
 from typing import Any, ClassVar
 
@@ -291,14 +292,15 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         """How much objects remind of each training object.
 
         The stimuli of all its prototypes together, and of those that imagined occlusions leave of them: an
-        object of which a part is hidden reminds of what it is hidden of.
+        object of which a part is hidden reminds of what it is hidden of. A constellation counts by its
+        strongest stimulus, so that what is like nothing known, such as something foreign, says little.
 
         Parameters and errors are those of `transform`.
 
         Returns
         -------
         (n, n_objects) csr_matrix of float64
-            A row sums to the share of the object's constellations that remind of anything.
+            A row sums to 1 at most.
 
         Raises
         ------
@@ -314,8 +316,9 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         field, n_objects = self._reminder_field, self.hierarchies_.n_objects
         propagations = propagate(_decomposed(_checked_objects(X)), self.dictionary_)
         activations = [(p.histograms, self.hierarchies_.activated(p.words), -1) for p in propagations]
+        row_of = partial(field.row, by_strength=True)
         rows = sparse_rows(
-            list(map_in_order(field.row, activations, self.n_jobs, share_memory=True)), len(field.columns)
+            list(map_in_order(row_of, activations, self.n_jobs, share_memory=True)), len(field.columns)
         )
         objects = field.hierarchies.prototype_objects[field.columns]
         is_of = csr_matrix(

@@ -169,11 +169,13 @@ def prototype_row(
     resolution: float,
     width: float,
     smallest: float,
+    by_strength: bool,
 ) -> NDArray[np.float64]:
     """Mean over an object's constellations of their `prototype_stimuli`, each scaled to sum 1, (p,) float64.
 
     Parameters are those of `hellinger_divergences` and `prototype_stimuli`, with `activated` (k, n) of all
-    constellations. One that stimulates nothing counts as zeros.
+    constellations. One that stimulates nothing counts as zeros. With `by_strength`, each is scaled to sum to
+    its strongest stimulus instead.
     """
     n_constellations, n = len(roots), prototype_roots.shape[1]
     row = np.zeros(n)
@@ -198,12 +200,14 @@ def prototype_row(
             )
             # As whole numbers: the order in which the prototypes were seen does not matter to their sum, and
             # none exceeds it.
-            total = 0
+            total, strongest = 0, 0.0
             for t in range(n):
                 if stimuli[t] > 0.0:
+                    strongest = max(strongest, stimuli[t])
                     stimuli[t] = round(ONE * stimuli[t])
                     total += int(stimuli[t])
             if total > 0:
+                scale = strongest if by_strength else 1.0
                 for t in range(n):
-                    row[t] += stimuli[t] / total
+                    row[t] += scale * (stimuli[t] / total)
     return row / n_constellations

@@ -91,15 +91,22 @@ class PrototypeField:
         prototype_stimuli(activated, *self._known, -1, *self._constants, stimuli[0], buffer)
         return stimuli[0]
 
-    def row(self, activation: Activation) -> SparseRow:
+    def row(self, activation: Activation, by_strength: bool = False) -> SparseRow:
         """Row of an object: the mean of its constellations' stimuli, each scaled to sum 1.
 
         A constellation that stimulates nothing counts as zeros, so a row sums to the share of an object's
-        constellations that remind of anything.
+        constellations that remind of anything. With `by_strength`, each sums to its strongest stimulus: what
+        is like nothing known says little.
         """
         histograms, activated, left_out = activation
         row = prototype_row(
-            np.sqrt(histograms), self.roots, activated, *self._known, left_out, *self._constants
+            np.sqrt(histograms),
+            self.roots,
+            activated,
+            *self._known,
+            left_out,
+            *self._constants,
+            by_strength,
         )
         columns = np.flatnonzero(row)
         return columns.astype(np.int32), row[columns]
