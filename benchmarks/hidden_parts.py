@@ -2,14 +2,15 @@
 
     python benchmarks/hidden_parts.py [--only SET ...] [--seeds SEED ...] [--splits N]
 
-Learned from 75 % of the scans. The others are predicted as they are, with a third, a half and two thirds of
-the points hidden beyond a random line in the image, and with whole segments hidden (one of two, two of more;
-of scans of several segments); and with foreign points, 10, 20 and 30 % of all: a part of an object of
-another label that touches them, or a strip of a table. Shown is the share of errors, as medians over splits: of `predict`, where the
-right concept is one in which most have the scan's label, and unknown is an error; of the label of whose scans
-a scan reminds most; and of the majority label of the five nearest whole-object histograms, of the training
-scans alone and with their imagined occlusions. The last three use labels; concepts do not. Last comes what
-imagining costs: time to learn, from points, and size of the model file, in multiples of those without.
+Learned from 75 % of the scans. The others are predicted as they are; with a third, a half and two thirds of
+the points hidden beyond a random line in the image; with whole segments hidden (one of two, two of more; of
+scans of several segments); and with foreign points, 10, 20 and 30 % of all: a part of an object of another
+label that touches them, or a strip of a table. Shown is the share of errors, as medians over splits: of
+`predict`, where the right concept is one in which most have the scan's label, and unknown is an error; of the
+label of whose scans a scan reminds most; and of the majority label of the five nearest whole-object
+histograms, of the training scans alone and with their imagined occlusions. The last three use labels;
+concepts do not. Last comes what imagining costs: time to learn, from points, and size of the model file, in
+multiples of those without.
 """
 
 import os
