@@ -5,8 +5,8 @@
 Learned from simulated views of the simulator's seven shapes and of further meshes made here (tableware.py),
 N of each, seen from all around. Real scans respond: osd_learn, and restaurant_views. Shown is the share of
 scans whose concept is one in which most views are of their shape, for each shape, and of scans that remind
-most of views of their shape, which uses labels. A carton counts as the box that it is. The bars: 0.90 for boxes and cans of osd_learn, 0.85 over the
-seven shapes of restaurant_views.
+most of views of their shape, which uses labels. A carton counts as the box that it is. The bars: 0.90 for
+boxes and cans of osd_learn, 0.85 over the shapes of restaurant_views.
 """
 
 import os
