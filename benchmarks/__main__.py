@@ -29,6 +29,7 @@ COMMANDS = (
     "concept_growth.py",
     "concept_numbers.py",
     "hidden_parts.py",
+    "foreign_segments.py",
     "tree_responses.py",
     "mesh_views.py",
     "concept_cuts.py",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from numbers import Integral
 from os import PathLike
 from typing import Any, ClassVar
@@ -17,7 +18,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.concepts import Concept, ConceptResponse, ConceptTree, Filtration
 from shapeconcepts.concepts.concept_tree import group_responses
-from shapeconcepts.concepts.recognition import Recognition, concept_shares
+from shapeconcepts.concepts.recognition import Recognition, concept_shares, foreign_segments
 from shapeconcepts.descriptors import (
     DescribedObject,
     Descriptor,
@@ -297,15 +298,14 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         if getattr(self.ensemble_, "columns", None) != "prototypes":
             return Recognition(concepts, responses, None)
         reminders = self._rows(described, self.ensemble_.reminders)
-        labels = np.delete(self.labels_, list(self.skipped_))
-        shares = concept_shares(reminders, labels, len(self.concepts_))
+        shares = concept_shares(reminders, self._concept_of_object, len(self.concepts_))
         is_known = (concepts >= 0) & shares.any(axis=1)
         if is_known.any():
             concepts = np.where(is_known, shares.argmax(axis=1), -1)
         return Recognition(concepts, responses, shares)
 
     def explain(self, scan: object) -> Explanation:
-        """Which motifs a scan fires, how strongly, and which training scans they come from.
+        """Which motifs a scan fires, how strongly, which training scans they come from, and what is foreign.
 
         Raises
         ------
@@ -316,7 +316,13 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         described = describe_scan(self.segmenter_, self.descriptor_, scan)
         if isinstance(described, ScanError):
             raise described
-        return self.ensemble_.explain(described)
+        explanation, recognition = self.ensemble_.explain(described), self.recognise([described])
+        concept = int(recognition.concepts[0])
+        if recognition.shares is None or concept < 0:
+            return explanation
+        parts = [described.segment(number) for number in range(described.n_segments)]
+        foreign = foreign_segments(self.ensemble_.reminders(parts), self._concept_of_object, concept)
+        return replace(explanation, foreign=foreign)
 
     def get_feature_names_out(self, input_features: object = None) -> NDArray[np.object_]:
         """Names of the columns of `transform`: the concepts' own, with their numbers where they are equal."""
@@ -375,6 +381,11 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         """Rows of the scans that could be described, and empty ones for the others."""
         # scikit-learn can be told that it shall be a data frame.
         return with_empty_rows(csr_matrix(rows_of([one for one in described if one])), described)
+
+    @property
+    def _concept_of_object(self) -> NDArray[np.int32]:
+        """Concept of each object that the ensemble saw: of the training scans that were not skipped."""
+        return np.delete(self.labels_, list(self.skipped_))
 
     def _remember(self, state: ModelState) -> ShapeConceptModel:
         """Be fitted."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shapeconcepts import MotifHierarchyEnsemble, ShapeConceptModel, datasets, describe, segment
-from shapeconcepts.concepts.recognition import concept_shares
+from shapeconcepts.concepts.recognition import concept_shares, foreign_segments
 
 N_TRAIN = 21
 
@@ -139,6 +139,26 @@ def test_shares_of_concepts():
     reminders = csr_matrix([[0.2, 0.0, 0.1, 0.1], [0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.3]])
     shares = concept_shares(reminders, np.array([1, 0, 0, -1]), 3)
     assert np.allclose(shares, [[0.25, 0.5, 0.0], [0, 0, 0], [0, 0, 0]])
+
+
+def test_segments_that_hardly_remind_of_a_concept():
+    from scipy.sparse import csr_matrix
+
+    reminders = csr_matrix([[0.3, 0.3, 0.1], [0.05, 0.04, 0.9], [0.0, 0.0, 0.0]])
+    assert foreign_segments(reminders, np.array([2, 2, 0]), 2) == (1, 2)
+    assert foreign_segments(reminders, np.array([2, 2, 0]), 0) == (2,)
+    assert foreign_segments(reminders, np.array([2, -1, 0]), -2) == (0, 1, 2)
+
+
+def test_what_another_object_left_is_foreign(objects):
+    model = ShapeConceptModel().fit(objects)
+    for described in objects[:12]:
+        explanation = model.explain(described)
+        [concept] = model.predict([described])
+        for number in range(described.n_segments):
+            row = model.ensemble_.reminders([described.segment(number)]).toarray()[0]
+            is_foreign = row[model.labels_ == concept].sum() < 0.1
+            assert (number in explanation.foreign) == is_foreign
 
 
 def test_hidden_scans_are_told_right_more_often():

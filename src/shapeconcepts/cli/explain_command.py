@@ -75,7 +75,8 @@ def explain(
 ) -> None:
     """Say why a scan resembles what it resembles.
 
-    Shows the combinations of surfaces that the scan has in common with training scans: how strongly each
+    Says which of its segments are foreign to the concept, such as a strip of the table, and shows the
+    combinations of surfaces that the scan has in common with training scans: how strongly each
     fires (its stimulus, 0 to 1), the motif that it shares with them, which segments of the scan it consists
     of, and the training scans that these resemble most, with the divergence (0 same, 1 nothing in common).
     """
@@ -93,7 +94,7 @@ def explain(
     found = _choose(reader(file), scan, number)
     assert found.described is not None and found.segmented is not None
     with _failure_said(found.name, "explained"):
-        explanation = learned.ensemble_.explain(found.described)
+        explanation = learned.explain(found.described)
         recognition = learned.recognise([found.described])
         concept, responses = int(recognition.concepts[0]), recognition.responses[0].tolist()
     if as_json:
@@ -178,6 +179,9 @@ def _print(
     responses: list[float],
 ) -> None:
     tell(f"{found.name}: {_verdict(model, concept, responses)}")
+    if explanation.foreign:
+        segments = " ".join(map(str, explanation.foreign))
+        tell(f"Segments that hardly remind of this concept, and may belong to something else: {segments}")
     rows = list(_motif_rows(explanation))
     if not rows:
         tell("Nothing fired: none of its combinations of surfaces is like those seen in training.")
@@ -227,6 +231,7 @@ def _document(
         "responses": [None if value != value else value for value in responses],
         "n_constellations": explanation.n_constellations,
         "n_unknown": list(explanation.n_unknown),
+        "foreign": list(explanation.foreign),
         "motifs": [
             {
                 "name": motif.name,

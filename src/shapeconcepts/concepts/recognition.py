@@ -8,6 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+# A segment that reminds less of a concept is none of its: few of a scan's own segments do, and most of those
+# of something else.
+LEAST_REMINDER = 0.1
+
 
 class Recognition(NamedTuple):
     """What a model says of scans.
@@ -55,3 +59,18 @@ def concept_shares(
             known = of >= 0
             shares[row] = np.bincount(of[known], weights[known], n_concepts) / total
     return shares
+
+
+def foreign_segments(reminders: csr_matrix, concepts: NDArray[np.integer], concept: int) -> tuple[int, ...]:
+    """Segments of a scan that hardly remind of the concept that it is recognised as.
+
+    Parameters
+    ----------
+    reminders : (s, n) csr_matrix of float64
+        How much each segment by itself reminds of each training object, with a strength of 0 to 1.
+    concepts : (n,) int
+        Concept of each training object, -1 for none.
+    concept : int
+    """
+    of_concept = csr_matrix(reminders)[:, np.flatnonzero(concepts == concept)].sum(axis=1)
+    return tuple(np.flatnonzero(np.asarray(of_concept).ravel() < LEAST_REMINDER).tolist())

@@ -56,6 +56,13 @@ class DescribedObject:
         """Number of segments."""
         return self.description.n_segments
 
+    def segment(self, number: int) -> DescribedObject:
+        """One segment by itself."""
+        description = Description(
+            self.description.segment_histograms[[number]], blocks=self.description.blocks
+        )
+        return DescribedObject(description, name=self.name, label=self.label)
+
 
 def describe(
     segmented: SegmentedObject, descriptor: str | Descriptor = DEFAULT, n_occlusions: int = 0

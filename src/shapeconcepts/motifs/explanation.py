@@ -92,12 +92,16 @@ class Explanation:
         too few objects.
     columns : {"motifs", "prototypes"}
         What the stimuli are of.
+    foreign : tuple of int
+        Segments that hardly remind of the concept that the object is recognised as, if a model explains it:
+        of something else, that touches or carries it.
     """
 
     motifs: tuple[FiredMotif, ...]
     n_constellations: int
     n_unknown: tuple[int, ...]
     columns: str = "motifs"
+    foreign: tuple[int, ...] = ()
 
 
 def explain(propagation: Propagation, field: PrototypeField | MotifField) -> Explanation:
