@@ -23,6 +23,7 @@ def test_the_same_objects_give_the_same_figures() -> None:
             "number of levels",
             "supervised selection",
             "generalisation",
+            "hidden parts",
             "baselines",
         }
         documents.append(json.dumps(document, allow_nan=False, sort_keys=True))

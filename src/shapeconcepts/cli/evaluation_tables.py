@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from shapeconcepts.evaluation.results import (
         BaselineRow,
         Evaluation,
+        HiddenPartsResult,
         LevelsResult,
         MapResult,
         SupervisedResult,
@@ -33,6 +34,8 @@ def print_evaluation(evaluation: Evaluation) -> None:
     )
     _print_groupings(evaluation)
     _print_errors(evaluation)
+    if evaluation.hidden is not None:
+        _print_hidden(evaluation.hidden)
     if evaluation.supervised is not None:
         _print_supervised(evaluation.supervised)
     if evaluation.levels is not None:
@@ -85,6 +88,15 @@ def _print_errors(evaluation: Evaluation) -> None:
     rows.append(_error_row("the paper, table 2", _single(PAPER.supervised_errors), labels))
     rows += [_error_row(row.representation, row.errors, labels) for row in evaluation.classifications]
     print_table(["support vector machine on", "mean", *labels], rows)
+
+
+def _print_hidden(result: HiddenPartsResult) -> None:
+    _title("Share of errors where a part of the test objects is hidden")
+    rows = [
+        [row.recognised_by, *(_percent(float(np.median(x))) for x in (row.nothing_hidden, row.part_hidden))]
+        for row in result.rows
+    ]
+    print_table(["recognised by", "nothing hidden", "a part hidden"], rows)
 
 
 def _print_supervised(result: SupervisedResult) -> None:

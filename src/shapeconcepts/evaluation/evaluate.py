@@ -11,6 +11,7 @@ from time import perf_counter
 
 from shapeconcepts.evaluation.experiments.baseline_comparison import baseline_comparison
 from shapeconcepts.evaluation.experiments.generalisation import generalisation
+from shapeconcepts.evaluation.experiments.hidden_parts import hidden_parts
 from shapeconcepts.evaluation.experiments.levels import number_of_levels
 from shapeconcepts.evaluation.experiments.supervised import supervised_selection
 from shapeconcepts.evaluation.experiments.unsupervised import unsupervised_selection
@@ -114,6 +115,8 @@ def evaluate(
         )
     with timed("generalisation"):
         concept_map = generalisation(objects, others, presets[0], splits[0], random_state)
+    with timed("hidden parts"):
+        hidden = hidden_parts(objects, presets[0], splits, n_jobs, progress)
     with timed("baselines"):
         baselines, classifications = baseline_comparison(
             objects, presets[0], splits, n_jobs, progress, random_state
@@ -133,6 +136,7 @@ def evaluate(
         seconds=seconds,
         versions=_versions(),
         command=command,
+        hidden=hidden,
     )
 
 

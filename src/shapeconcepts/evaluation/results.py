@@ -217,6 +217,29 @@ class ClassificationRow:
     errors: dict[str, list[float]]
 
 
+@dataclass(frozen=True)
+class HiddenPartsRow:
+    """A way to recognise new objects: share of errors, in each repetition.
+
+    Attributes
+    ----------
+    recognised_by : str
+    nothing_hidden, part_hidden : list of float
+        Of the test objects as they are, and of what imagined occlusions leave of them.
+    """
+
+    recognised_by: str
+    nothing_hidden: list[float]
+    part_hidden: list[float]
+
+
+@dataclass(frozen=True)
+class HiddenPartsResult:
+    """Recognition of objects of which a third to two thirds, or whole segments, are hidden."""
+
+    rows: list[HiddenPartsRow]
+
+
 @dataclass(frozen=True, eq=False)
 class Evaluation:
     """All experiments on one data set.
@@ -244,6 +267,8 @@ class Evaluation:
         Of the libraries that the figures depend on.
     command : str
         What makes these figures again.
+    hidden : HiddenPartsResult or None
+        None where the first preset imagines nothing.
     """
 
     data_name: str
@@ -260,3 +285,4 @@ class Evaluation:
     seconds: dict[str, float]
     versions: dict[str, str]
     command: str
+    hidden: HiddenPartsResult | None = None

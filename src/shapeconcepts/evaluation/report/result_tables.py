@@ -19,7 +19,7 @@ from shapeconcepts.evaluation.report.number_formats import (
 from shapeconcepts.evaluation.report.tables import Cell, best_cells, table
 
 if TYPE_CHECKING:
-    from shapeconcepts.evaluation.results import Evaluation, SupervisedResult
+    from shapeconcepts.evaluation.results import Evaluation, HiddenPartsResult, SupervisedResult
 
 _SCORES = (
     ("concepts", "n_groups", whole, str(PAPER.n_concepts)),
@@ -84,6 +84,19 @@ def _supervised_rows(result: SupervisedResult | None) -> list[tuple[str, str, st
         ),
         ("mean purity of five concepts", percent(result.purity_with_five), percent(PAPER.purity_with_five)),
     ]
+
+
+def hidden_table(result: HiddenPartsResult) -> str:
+    """Share of errors with nothing and with a part hidden."""
+    rows: list[list[Cell]] = [
+        [
+            row.recognised_by,
+            median_and_range(row.nothing_hidden, percent),
+            median_and_range(row.part_hidden, percent),
+        ]
+        for row in result.rows
+    ]
+    return table(["recognised by", "nothing hidden", "a part hidden"], rows)
 
 
 def error_table(

@@ -18,6 +18,7 @@ from shapeconcepts.evaluation.report.result_tables import (
     baseline_table,
     error_table,
     headline_table,
+    hidden_table,
 )
 from shapeconcepts.evaluation.report.style import COLUMN_WIDTH
 from shapeconcepts.evaluation.report.tables import table
@@ -71,6 +72,8 @@ def sections(evaluation: Evaluation, figures: Mapping[str, Figure]) -> list[Sect
             ],
         ),
     ]
+    if evaluation.hidden is not None:
+        made.append(Section("hidden", "Hidden parts", [_HIDDEN, hidden_table(evaluation.hidden)]))
     if evaluation.levels is not None:
         made.append(Section("levels", "Dictionary levels", [drawn("levels")]))
     if evaluation.supervised is not None:
@@ -99,6 +102,12 @@ _UNSUPERVISED = (
     "<p>The filtration is stopped without looking at a label, and what hangs together then is a concept. "
     "An SVM on the "
     "responses to the concepts is the test of what they are worth as features.</p>"
+)
+_HIDDEN = (
+    "<p>Test objects are recognised as they are, and again with a third to two thirds hidden beyond a "
+    "straight border or behind something round, or without some of their segments. The right concept is one "
+    "whose most frequent label is the object’s; histograms are told by the majority label of the five "
+    "nearest. Shares of errors, medians over the splits.</p>"
 )
 _SUPERVISED = (
     "<p>The number and the minimum size of the concepts are chosen by cross-validation with the labels, to "

@@ -1,0 +1,110 @@
+"""Recognition of new objects of which a part is hidden."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts.descriptors import DescribedObject
+from shapeconcepts.evaluation.experiments.concept_responses import fit
+from shapeconcepts.evaluation.labelled_objects import LabelledObjects, Progress, run
+from shapeconcepts.evaluation.results import HiddenPartsResult, HiddenPartsRow
+from shapeconcepts.evaluation.splits import Split
+from shapeconcepts.topology import jensen_shannon_divergences
+
+N_NEAREST = 5
+ROWS = (
+    "concepts, found without labels",
+    "whole-object histograms, five nearest",
+    "whole-object histograms and their imagined occlusions, five nearest",
+)
+
+
+def hidden_parts(
+    objects: LabelledObjects,
+    preset: str,
+    splits: Sequence[Split],
+    n_jobs: int | None = None,
+    progress: Progress | None = None,
+) -> HiddenPartsResult | None:
+    """Learn from the training part, and recognise test objects, as they are and with a part hidden.
+
+    A part is hidden as `imagine_occlusion` does it, of test objects whose occlusions nothing was learned
+    from.
+
+    Parameters
+    ----------
+    objects : LabelledObjects
+    preset : str
+    splits : sequence of (training, test)
+        Indices, one pair a repetition.
+    n_jobs : int or None
+    progress : Progress, optional
+
+    Returns
+    -------
+    HiddenPartsResult or None
+        None where the preset imagines nothing, or no test object could be hidden in part.
+    """
+    described = objects.described[preset]
+    if any(not any(described[i].occlusions for i in test) for _, test in splits):
+        return None
+    tasks = [(described, objects.labels, split, preset) for split in splits]
+    errors = np.array(run(_errors, tasks, n_jobs, progress, "Hidden parts"))
+    return HiddenPartsResult(
+        [
+            HiddenPartsRow(name, errors[:, row, 0].tolist(), errors[:, row, 1].tolist())
+            for row, name in enumerate(ROWS)
+        ]
+    )
+
+
+def _errors(
+    described: Sequence[DescribedObject], labels: NDArray[np.str_], split: Split, preset: str
+) -> NDArray[np.float64]:
+    """Share of errors of each row, with nothing and with a part hidden, (3, 2)."""
+    training, test = split
+    known = [described[i] for i in training]
+    model = fit(known, preset)
+    label_of = [_majority(labels[training][concept.members]) for concept in model.concepts_]
+    of_concept = np.array([*label_of, ""])
+
+    whole, labels_of_whole = _histograms(known), labels[training]
+    rest = [(one.described, i) for i in training for one in described[i].occlusions]
+    both = np.concatenate([whole, _histograms([one for one, _ in rest])])
+    labels_of_both = np.concatenate([labels_of_whole, labels[[i for _, i in rest]]])
+
+    hidden = [(one.described, i) for i in test for one in described[i].occlusions]
+    columns = []
+    for some, truth in (
+        ([described[i] for i in test], labels[test]),
+        ([one for one, _ in hidden], labels[[i for _, i in hidden]]),
+    ):
+        rows = _histograms(some)
+        told = (
+            of_concept[model.predict(some)],
+            _nearest_labels(rows, whole, labels_of_whole),
+            _nearest_labels(rows, both, labels_of_both),
+        )
+        columns.append([(one != truth).mean() for one in told])
+    return np.array(columns).T
+
+
+def _histograms(objects: Sequence[DescribedObject]) -> NDArray[np.float64]:
+    return np.array([one.description.whole() for one in objects])
+
+
+def _nearest_labels(
+    rows: NDArray[np.float64], known: NDArray[np.float64], labels: NDArray[np.str_]
+) -> NDArray[np.str_]:
+    """Majority label of the nearest histograms; of equals, that of the nearest of them."""
+    nearest = np.argsort(jensen_shannon_divergences(rows, known), axis=1, kind="stable")[:, :N_NEAREST]
+    return np.array([_majority(row) for row in labels[nearest]])
+
+
+def _majority(labels: NDArray[np.str_]) -> str:
+    """The most frequent label; of equals, the one that comes first."""
+    names, first, counts = np.unique(labels, return_index=True, return_counts=True)
+    return str(names[np.lexsort((first, -counts))[0]])
