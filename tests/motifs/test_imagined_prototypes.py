@@ -45,7 +45,7 @@ def imagined_one_by_one(objects, hierarchies, resolution):
                 linked = {chosen[0]}
                 for _ in chosen:
                     linked |= {s for e in edges if linked & set(e) for s in e}
-                histogram = rest.description.histograms([constellation])[0].astype(np.float32)
+                histogram = rest.description.histograms([constellation])[0].astype(np.float16)
                 is_there = linked == set(chosen) and whole in known and histogram.any()
                 if is_there and min(hellinger(histogram, one) for one in own) >= resolution:
                     found.append((number, whole, histogram.tobytes()))

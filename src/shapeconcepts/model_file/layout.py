@@ -31,7 +31,7 @@ LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
     "prototypes.objects": ("int32", ("prototypes",)),
     "prototypes.constellations": ("int64", ("prototypes",)),
     # What imagined occlusions leave of prototypes.
-    "imagined.histograms": ("float32", ("imagined", "bins")),
+    "imagined.histograms": ("float16", ("imagined", "bins")),
     "imagined.prototypes": ("int32", ("imagined",)),
     # Prototypes or motifs, as the parameter columns says.
     "stimuli.sources": ("int64", ("columns",)),
