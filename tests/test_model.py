@@ -16,6 +16,7 @@ from shapeconcepts import (
     FPFH,
     ConceptResponse,
     Curvature,
+    DescribedObject,
     Filtration,
     Joint,
     MotifHierarchyEnsemble,
@@ -30,6 +31,7 @@ from shapeconcepts import (
     get_descriptor,
     load_model,
 )
+from shapeconcepts.descriptors import Description
 from shapeconcepts.model import PRESETS
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*different segment descriptions give")
@@ -513,6 +515,24 @@ def test_responses_of_the_whole_tree(model, segmented):
     of_concepts = model.transform(segmented[:5])
     cut = tree.cut(model.filtration_.granularity_)
     assert np.allclose(np.sort(of_new[:, cut], axis=1), np.sort(of_concepts, axis=1))
+
+
+def test_recognition(model, segmented):
+    some = [*segmented[:4], DescribedObject(Description(np.zeros((1, 234)), blocks=(135, 33, 66)))]
+    found = model.recognise(some)
+    assert np.array_equal(found.responses[:4], model.transform(some[:4]))
+    assert np.array_equal(found.concepts, model.predict(some))
+    reminders = model.ensemble_.reminders([describe(one) for one in segmented[:4]]).toarray()
+    for row, share, concept in zip(reminders, found.shares, found.concepts, strict=False):
+        expected = [row[model.labels_ == k].sum() / row.sum() for k in range(len(model.concepts_))]
+        assert np.allclose(share, expected)
+        assert concept == np.argmax(expected)
+    # What reminds of nothing is unknown, alone as among others.
+    assert found.concepts[4] == -1 and not found.shares[4].any()
+    assert model.predict(some[4:])[0] == -1
+    for position in range(4):
+        alone = model.recognise([some[position]])
+        assert np.array_equal(alone.shares[0], found.shares[position])
 
 
 def test_there_is_no_tree_where_a_time_makes_concepts(segmented):

@@ -299,8 +299,8 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
             return Recognition(concepts, responses, None)
         reminders = self._rows(described, self.ensemble_.reminders)
         shares = concept_shares(reminders, self._concept_of_object, len(self.concepts_))
-        is_known = (concepts >= 0) & shares.any(axis=1)
-        if is_known.any():
+        if self.concepts_:
+            is_known = (concepts >= 0) & shares.any(axis=1)
             concepts = np.where(is_known, shares.argmax(axis=1), -1)
         return Recognition(concepts, responses, shares)
 
