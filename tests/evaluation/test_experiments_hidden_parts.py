@@ -40,8 +40,14 @@ def test_errors_are_those_of_the_model_and_of_nearest_histograms() -> None:
             machine.fit(jensen_shannon_divergences(known, known), labels[training])
             predicted = machine.predict(jensen_shannon_divergences(rows, known))
             # Where two labels are equally frequent, ours takes the nearer one.
-            assert errors[1][repetition] == pytest.approx((predicted != truth).mean(), abs=1.1 / len(truth))
-        assert errors[2][repetition] <= errors[1][repetition] + 1 / len(hidden)
+            assert errors[2][repetition] == pytest.approx((predicted != truth).mean(), abs=1.1 / len(truth))
+            reminders = model.ensemble_.reminders(some).toarray()
+            by_label = [
+                max(np.unique(labels), key=lambda one: row[labels[training] == one].sum())
+                for row in reminders
+            ]
+            assert errors[1][repetition] == pytest.approx((np.array(by_label) != truth).mean())
+        assert errors[3][repetition] <= errors[2][repetition] + 1 / len(hidden)
 
 
 def test_a_preset_that_imagines_nothing_has_no_hidden_parts() -> None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from shapeconcepts.concepts.recognition import concept_shares
 from shapeconcepts.descriptors import DescribedObject
 from shapeconcepts.evaluation.experiments.concept_responses import fit
 from shapeconcepts.evaluation.labelled_objects import LabelledObjects, Progress, run
@@ -17,6 +18,7 @@ from shapeconcepts.topology import jensen_shannon_divergences
 N_NEAREST = 5
 ROWS = (
     "concepts, found without labels",
+    "motifs of training objects, by label",
     "whole-object histograms, five nearest",
     "whole-object histograms and their imagined occlusions, five nearest",
 )
@@ -64,12 +66,13 @@ def hidden_parts(
 def _errors(
     described: Sequence[DescribedObject], labels: NDArray[np.str_], split: Split, preset: str
 ) -> NDArray[np.float64]:
-    """Share of errors of each row, with nothing and with a part hidden, (3, 2)."""
+    """Share of errors of each row, with nothing and with a part hidden, (4, 2)."""
     training, test = split
     known = [described[i] for i in training]
     model = fit(known, preset)
     label_of = [_majority(labels[training][concept.members]) for concept in model.concepts_]
     of_concept = np.array([*label_of, ""])
+    names, numbers = np.unique(labels[training], return_inverse=True)
 
     whole, labels_of_whole = _histograms(known), labels[training]
     rest = [(one.described, i) for i in training for one in described[i].occlusions]
@@ -85,6 +88,7 @@ def _errors(
         rows = _histograms(some)
         told = (
             of_concept[model.predict(some)],
+            names[concept_shares(model.ensemble_.reminders(some), numbers, len(names)).argmax(axis=1)],
             _nearest_labels(rows, whole, labels_of_whole),
             _nearest_labels(rows, both, labels_of_both),
         )

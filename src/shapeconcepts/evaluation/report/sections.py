@@ -106,8 +106,9 @@ _UNSUPERVISED = (
 _HIDDEN = (
     "<p>Test objects are recognised as they are, and again with a third to two thirds hidden beyond a "
     "straight border or behind something round, or without some of their segments. The right concept is one "
-    "whose most frequent label is the object’s; histograms are told by the majority label of the five "
-    "nearest. Shares of errors, medians over the splits.</p>"
+    "whose most frequent label is the object’s; motifs tell the label of whose training objects an object "
+    "reminds most, and histograms the majority label of the five nearest. Shares of errors, medians over "
+    "the splits.</p>"
 )
 _SUPERVISED = (
     "<p>The number and the minimum size of the concepts are chosen by cross-validation with the labels, to "
