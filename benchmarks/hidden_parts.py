@@ -31,14 +31,12 @@ from changed_scans import foreign_object, segments_hidden, share_hidden, table_s
 from common import command, print_table
 from concept_scores import SETS, scans_by_set
 from shapeconcepts import DescribedObject, Scan, ScanError, ShapeConceptModel, describe, segment
-from shapeconcepts.concepts.recognition import concept_shares
+from shapeconcepts.evaluation.experiments.hidden_parts import recognition_errors
 from shapeconcepts.evaluation.splits import stratified_splits
-from shapeconcepts.topology import jensen_shannon_divergences
 
 ALL_SETS = (*SETS, "household_meshes", "atwork_parts")
 SEEDS = (400, 401, 402)
 Change = Callable[[Scan, np.random.Generator], Scan | None]
-N_NEAREST = 5
 FOREIGN = (0.1, 0.2, 0.3)
 RIVALS = ("predict", "by label", "whole", "whole + occlusions")
 
@@ -68,47 +66,18 @@ def changed(scans: list[Scan], change: Change, number: int) -> list[DescribedObj
     return objects
 
 
-def majority_labels(
-    new: NDArray[np.float64], known: NDArray[np.float64], labels: NDArray[np.str_]
-) -> NDArray[np.str_]:
-    """Majority label of the five nearest histograms, of equals that of the nearest of them."""
-    nearest = np.argsort(jensen_shannon_divergences(new, known), axis=1, kind="stable")[:, :N_NEAREST]
-    found = []
-    for row in labels[nearest]:
-        names, first, counts = np.unique(row, return_index=True, return_counts=True)
-        found.append(names[np.lexsort((first, -counts))[0]])
-    return np.array(found)
-
-
 def errors(
-    training: list[DescribedObject], labels: NDArray[np.str_], new: dict[str, list[DescribedObject | None]],
+    training: list[DescribedObject],
+    labels: NDArray[np.str_],
+    versions: list[list[DescribedObject | None]],
     new_labels: NDArray[np.str_],
-) -> NDArray[np.float64]:  # fmt: skip
-    """Share of errors of each rival, (changes, rivals)."""
-    model = ShapeConceptModel().fit(training)
-    of_concept = []
-    for concept in model.concepts_:
-        members, counts = np.unique(labels[concept.members], return_counts=True)
-        of_concept.append(members[counts.argmax()])
-    names, label_of = np.unique(labels, return_inverse=True)
-    whole = np.array([one.description.whole() for one in training])
-    left = [(rest.description.whole(), label) for one, label in zip(training, labels, strict=True)
-            for rest, _ in one.occlusions]  # fmt: skip
-    with_left = np.concatenate([whole, [row for row, _ in left]])
-    labels_with_left = np.concatenate([labels, [label for _, label in left]])
-    table = []
-    for objects in new.values():
+) -> NDArray[np.float64]:
+    """Share of errors of each rival on each version of new scans, (versions, rivals)."""
+    new = []
+    for objects in versions:
         usable = [i for i, one in enumerate(objects) if one]
-        some, truth = [objects[i] for i in usable], new_labels[usable]
-        rows = np.array([one.description.whole() for one in some])
-        told = (
-            np.array([*of_concept, "?"])[model.predict(some)],
-            names[concept_shares(model.ensemble_.reminders(some), label_of, len(names)).argmax(axis=1)],
-            majority_labels(rows, whole, labels),
-            majority_labels(rows, with_left, labels_with_left),
-        )
-        table.append([(one != truth).mean() for one in told])
-    return np.array(table)
+        new.append(([objects[i] for i in usable], new_labels[usable]))
+    return recognition_errors(training, labels, "default", new).T
 
 
 def cost(scans: list[Scan]) -> tuple[float, float]:
@@ -159,7 +128,7 @@ def main() -> None:
             errors(
                 [learned[i] for i in training],
                 labels[training],
-                {title: [objects[i] for i in new] for title, objects in versions.items()},
+                [[objects[i] for i in new] for objects in versions.values()],
                 labels[new],
             )
             for training, new in stratified_splits(

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from common import command, described, labelled_scans, print_table
+from concept_scores import majority_labels
 from shapeconcepts import DescribedObject, Scan, ShapeConceptModel, datasets
 from shapeconcepts.concepts.recognition import concept_shares
 from shapeconcepts.simulation.shapes import SHAPES
@@ -54,23 +55,20 @@ def main() -> None:
     )
     model = ShapeConceptModel(n_jobs=-1).fit(scans)
     labels = shapes_of(scans)
-    of_concept = []
-    for concept in model.concepts_:
-        names, counts = np.unique(labels[concept.members], return_counts=True)
-        of_concept.append(names[counts.argmax()])
+    of_concept = majority_labels(model.labels_, labels)
     names, label_of = np.unique(labels, return_inverse=True)
     print(f"{len(scans)} views, {len(model.concepts_)} concepts")
     lines = []
     for name in SETS:
         objects = described(labelled_scans(parser, name))
         truth = shapes_of(objects)
-        concepts = np.array([*of_concept, "unknown"])[model.predict(objects)]
+        concepts = of_concept[model.predict(objects)]
         shares = concept_shares(model.ensemble_.reminders(objects), label_of, len(names))
         told = names[shares.argmax(axis=1)]
         for label in [*np.unique(truth), "all"]:
             some = (truth == label) | (label == "all")
             wrong, counts = np.unique(concepts[some & (concepts != truth)], return_counts=True)
-            taken = ", ".join(f"{wrong[i]} {counts[i]}" for i in np.argsort(-counts)[:3])
+            taken = ", ".join(f"{wrong[i] or 'unknown'} {counts[i]}" for i in np.argsort(-counts)[:3])
             right = [f"{(found == truth)[some].mean():.3f}" for found in (concepts, told)]
             lines.append((name, label, some.sum(), *right, taken))
     print_table(("set", "shape", "scans", "right concept", "by label", "else taken for"), lines)

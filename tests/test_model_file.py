@@ -226,7 +226,8 @@ def test_parameters_that_were_set_after_learning_change_nothing(learned, path):
     )
     model.set_params(**{**others, "ensemble__dictionary__n_levels": 12, "segmenter__max_segments": 5})
     # Nor does it matter to the fitted ensemble.
-    model.ensemble_.set_params(bandwidth=0.5, min_support=9, n_neighbours=3)
+    columns = others["ensemble__columns"]
+    model.ensemble_.set_params(columns=columns, bandwidth=0.5, min_support=9, n_neighbours=3)
     loaded = saved_and_loaded(model, path)
     assert {name: loaded.get_params()[name] for name in LIKE_THE_PAPER} == parameters
     for one in (model, loaded):

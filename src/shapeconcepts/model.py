@@ -295,7 +295,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         described = self._described(X)
         stimuli = self._rows(described, self.ensemble_.transform)
         concepts, responses = self.response_.predict(stimuli), self.response_.transform(stimuli)
-        if getattr(self.ensemble_, "columns", None) != "prototypes":
+        if not getattr(self.ensemble_, "knows_objects", False):
             return Recognition(concepts, responses, None)
         reminders = self._rows(described, self.ensemble_.reminders)
         shares = concept_shares(reminders, self._concept_of_object, len(self.concepts_))

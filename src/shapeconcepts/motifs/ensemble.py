@@ -22,7 +22,7 @@ from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.imagined_prototypes import ImaginedPrototypes
 from shapeconcepts.motifs.propagation import DecomposedObject, decompose_object, propagate
 from shapeconcepts.motifs.prototype_stimuli import PrototypeField, sampled_prototypes
-from shapeconcepts.motifs.stimuli import Activation, MotifField, sparse_rows
+from shapeconcepts.motifs.stimuli import Activation, MotifField, SparseRow, sparse_rows
 from shapeconcepts.parallel import map_in_order
 from shapeconcepts.parameters import (
     StagesMixin,
@@ -233,11 +233,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         ValueError
             If X holds something else, or an object has more than 16 segments or other histograms.
         """
-        check_is_fitted(self, "hierarchies_")
-        propagations = propagate(_decomposed(_checked_objects(X)), self.dictionary_)
-        return self._output(
-            self._stimuli([(p.histograms, self.hierarchies_.activated(p.words), -1) for p in propagations])
-        )
+        return self._output(self._stimuli(self._activations(X)))
 
     def fit_transform(self, X: Iterable[DescribedObject], y: object = None) -> csr_matrix:
         """Learn from objects, and give the rows to go on with: `stimuli_`, not those of `transform`."""
@@ -268,11 +264,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         motif of words 1 and 4 of dictionary level 3, first seen at motif level 2.
         """
         check_is_fitted(self, "hierarchies_")
-        name = (
-            self.hierarchies_.prototype_name
-            if self._learned_with["columns"] == "prototypes"
-            else self.hierarchies_.name
-        )
+        name = self.hierarchies_.prototype_name if self.knows_objects else self.hierarchies_.name
         return np.array([name(behind) for behind in self.columns_.tolist()], dtype=object)
 
     @property
@@ -307,24 +299,26 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         ValueError
             If columns are "motifs", which forget the objects that they were seen in.
         """
-        check_is_fitted(self, "hierarchies_")
-        if self._learned_with["columns"] != "prototypes":
+        activations = self._activations(X)
+        if not self.knows_objects:
             raise ValueError("columns must be 'prototypes' for reminders, got 'motifs'")
         if self._reminder_field is None:
             joined, columns = self.imagined_.beside(self.hierarchies_, self.columns_)
             self._reminder_field = self._prototype_field(joined, columns)
-        field, n_objects = self._reminder_field, self.hierarchies_.n_objects
-        propagations = propagate(_decomposed(_checked_objects(X)), self.dictionary_)
-        activations = [(p.histograms, self.hierarchies_.activated(p.words), -1) for p in propagations]
-        row_of = partial(field.row, by_strength=True)
-        rows = sparse_rows(
-            list(map_in_order(row_of, activations, self.n_jobs, share_memory=True)), len(field.columns)
-        )
+        field = self._reminder_field
+        rows = self._sparse_rows(partial(field.row, by_strength=True), activations, len(field.columns))
         objects = field.hierarchies.prototype_objects[field.columns]
         is_of = csr_matrix(
-            (np.ones(len(objects)), objects, np.arange(len(objects) + 1)), (len(objects), n_objects)
+            (np.ones(len(objects)), objects, np.arange(len(objects) + 1)),
+            (len(objects), self.hierarchies_.n_objects),
         )
         return csr_matrix(rows @ is_of)
+
+    @property
+    def knows_objects(self) -> bool:
+        """Whether columns are "prototypes", which know the objects that they were seen in."""
+        check_is_fitted(self, "hierarchies_")
+        return bool(self._learned_with["columns"] == "prototypes")
 
     def _prototype_field(self, hierarchies: MotifHierarchies, columns: NDArray[np.int64]) -> PrototypeField:
         learned_with = self._learned_with
@@ -394,10 +388,20 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         dictionary: SegmentDictionary = self._stage("dictionary")
         return dictionary.fit(np.concatenate([one.segment_histograms for one in objects]))
 
+    def _activations(self, X: Iterable[DescribedObject]) -> list[Activation]:
+        """Constellations of new objects, of which nothing is left out."""
+        check_is_fitted(self, "hierarchies_")
+        propagations = propagate(_decomposed(_checked_objects(X)), self.dictionary_)
+        return [(p.histograms, self.hierarchies_.activated(p.words), -1) for p in propagations]
+
     def _stimuli(self, activations: list[Activation]) -> csr_matrix:
+        return self._sparse_rows(self.field_.row, activations, len(self.columns_))
+
+    def _sparse_rows(
+        self, row_of: Callable[[Activation], SparseRow], activations: list[Activation], n_columns: int
+    ) -> csr_matrix:
         # The kernels run without Python's lock, so threads do, and nothing is copied.
-        rows = map_in_order(self.field_.row, activations, self.n_jobs, share_memory=True)
-        return sparse_rows(list(rows), len(self.columns_))
+        return sparse_rows(list(map_in_order(row_of, activations, self.n_jobs, share_memory=True)), n_columns)
 
     def _output(self, rows: csr_matrix) -> Any:
         # scikit-learn makes data frames of dense matrices only.

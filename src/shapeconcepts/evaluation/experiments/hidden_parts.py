@@ -63,37 +63,62 @@ def hidden_parts(
     )
 
 
+def recognition_errors(
+    known: Sequence[DescribedObject],
+    labels: NDArray[np.str_],
+    preset: str,
+    new: Sequence[tuple[Sequence[DescribedObject], NDArray[np.str_]]],
+) -> NDArray[np.float64]:
+    """Share of errors of each of `ROWS` on new objects.
+
+    Parameters
+    ----------
+    known : sequence of DescribedObject
+        With imagined occlusions.
+    labels : (n,) str
+    preset : str
+    new : sequence of (objects, labels)
+        Several sets of objects to recognise.
+
+    Returns
+    -------
+    (4, k) float64
+        A column for each set.
+    """
+    model = fit(known, preset)
+    of_concept = np.array([*(_majority(labels[concept.members]) for concept in model.concepts_), ""])
+    names, numbers = np.unique(labels, return_inverse=True)
+    whole = _histograms(known)
+    rest = [
+        (one.described, label)
+        for all_of, label in zip(known, labels, strict=True)
+        for one in all_of.occlusions
+    ]
+    both = np.concatenate([whole, _histograms([one for one, _ in rest])])
+    labels_of_both = np.concatenate([labels, [label for _, label in rest]])
+    columns = []
+    for some, truth in new:
+        rows = _histograms(some)
+        told = (
+            of_concept[model.predict(some)],
+            names[concept_shares(model.ensemble_.reminders(some), numbers, len(names)).argmax(axis=1)],
+            _nearest_labels(rows, whole, labels),
+            _nearest_labels(rows, both, labels_of_both),
+        )
+        columns.append([(one != truth).mean() for one in told])
+    return np.array(columns).T
+
+
 def _errors(
     described: Sequence[DescribedObject], labels: NDArray[np.str_], split: Split, preset: str
 ) -> NDArray[np.float64]:
     """Share of errors of each row, with nothing and with a part hidden, (4, 2)."""
     training, test = split
-    known = [described[i] for i in training]
-    model = fit(known, preset)
-    label_of = [_majority(labels[training][concept.members]) for concept in model.concepts_]
-    of_concept = np.array([*label_of, ""])
-    names, numbers = np.unique(labels[training], return_inverse=True)
-
-    whole, labels_of_whole = _histograms(known), labels[training]
-    rest = [(one.described, i) for i in training for one in described[i].occlusions]
-    both = np.concatenate([whole, _histograms([one for one, _ in rest])])
-    labels_of_both = np.concatenate([labels_of_whole, labels[[i for _, i in rest]]])
-
     hidden = [(one.described, i) for i in test for one in described[i].occlusions]
-    columns = []
-    for some, truth in (
-        ([described[i] for i in test], labels[test]),
-        ([one for one, _ in hidden], labels[[i for _, i in hidden]]),
-    ):
-        rows = _histograms(some)
-        told = (
-            of_concept[model.predict(some)],
-            names[concept_shares(model.ensemble_.reminders(some), numbers, len(names)).argmax(axis=1)],
-            _nearest_labels(rows, whole, labels_of_whole),
-            _nearest_labels(rows, both, labels_of_both),
-        )
-        columns.append([(one != truth).mean() for one in told])
-    return np.array(columns).T
+    as_they_are = [described[i] for i in test], labels[test]
+    in_part = [one for one, _ in hidden], labels[[i for _, i in hidden]]
+    known = [described[i] for i in training]
+    return recognition_errors(known, labels[training], preset, [as_they_are, in_part])
 
 
 def _histograms(objects: Sequence[DescribedObject]) -> NDArray[np.float64]:
