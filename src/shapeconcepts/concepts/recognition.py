@@ -62,7 +62,9 @@ def concept_shares(
 
 
 def foreign_segments(reminders: csr_matrix, concepts: NDArray[np.integer], concept: int) -> tuple[int, ...]:
-    """Segments of a scan that hardly remind of the concept that it is recognised as.
+    """Segments of a scan that hardly remind of the concept that it is recognised as, while others do.
+
+    Where none does, there is nothing for the others to be foreign to, and none is.
 
     Parameters
     ----------
@@ -73,4 +75,5 @@ def foreign_segments(reminders: csr_matrix, concepts: NDArray[np.integer], conce
     concept : int
     """
     of_concept = csr_matrix(reminders)[:, np.flatnonzero(concepts == concept)].sum(axis=1)
-    return tuple(np.flatnonzero(np.asarray(of_concept).ravel() < LEAST_REMINDER).tolist())
+    is_foreign = np.asarray(of_concept).ravel() < LEAST_REMINDER
+    return () if is_foreign.all() else tuple(np.flatnonzero(is_foreign).tolist())
