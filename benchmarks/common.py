@@ -65,12 +65,14 @@ def simulated_scans(category: str, n: int, seed: int) -> list[Scan]:
     return scans
 
 
-def described(scans: Iterable[Scan]) -> list[DescribedObject]:
+def described(
+    scans: Iterable[Scan], descriptor: str = DEFAULT, n_occlusions: int = 0
+) -> list[DescribedObject]:
     """Scans that can be segmented, described."""
     found = []
     for scan in scans:
         try:
-            found.append(describe(segment(scan)))
+            found.append(describe(segment(scan), descriptor, n_occlusions))
         except ScanError:
             continue
     return found

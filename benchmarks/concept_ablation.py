@@ -26,7 +26,14 @@ from shapeconcepts.evaluation import stratified_splits
 SEEDS = (100,)
 REPEATS = 5
 N_SUBSETS = 10
-DESCRIPTORS = ("surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature")
+DESCRIPTORS = (
+    "surflet+fpfh+curvature",
+    "surflet+fpfh+curvature+distance",
+    "surflet+fpfh",
+    "surflet",
+    "fpfh",
+    "curvature",
+)
 
 Model = Callable[[], ShapeConceptModel]
 changed = partial(ShapeConceptModel.preset, "default")

@@ -136,6 +136,14 @@ def test_parameters_reach_the_model(scans: Path, tmp_path: Path) -> None:
     assert document["parameters"].items() >= expected.items()
 
 
+def test_size_counts_where_it_shall(scans: Path, tmp_path: Path) -> None:
+    path = tmp_path / "m.safetensors"
+    assert run("learn", scans, "--model", path, "--scale", "metric").exit_code == 0
+    assert shapeconcepts.load_model(path).descriptor == "surflet+fpfh+curvature+distance"
+    one = str(scans / "can" / "can_0.pcd")
+    assert run("respond", path, one).exit_code == 0
+
+
 def plain_parameters(model: shapeconcepts.ShapeConceptModel) -> dict[str, object]:
     """Of all stages, but no stages."""
     return {name: value for name, value in model.get_params().items() if not hasattr(value, "get_params")} | {
@@ -548,6 +556,8 @@ def test_both_files_stay_if_the_report_fails(
         ["learn", "--model", "m", "--levels", "40"],
         ["learn", "--model", "m", "--bandwidth", "0"],
         ["learn", "--model", "m", "--descriptor", "shot"],
+        ["learn", "--model", "m", "--descriptor", "fpfh", "--scale", "metric"],
+        ["learn", "--model", "m", "--preset", "paper", "--scale", "metric"],
         ["learn", "--model", "m", "--jobs", "0"],
         ["learn", "--model", "m", "--voxel-size", "nan"],
     ],

@@ -246,3 +246,54 @@ def test_nothing_stays_of_the_fit_before():
     assert filtration.concept_tree_ is None and filtration._group_names() == []
     with pytest.raises(ValueError, match="no granularities"):
         filtration.concepts_at(0.5)
+
+
+@given(st.integers(0, 400))
+@settings(deadline=None, max_examples=25)
+@no_concepts_are_no_news
+def test_groups_within_groups_against_a_slow_version(seed):
+    filtration = example(seed)
+    tree, groups = filtration.concept_tree_, filtration.group_tree()
+    coarse = [frozenset(tree.members(group).tolist()) for group in range(len(tree.parents))][::-1]
+    assert [members_within(groups, number) for number in range(len(coarse))] == coarse
+
+    # What has formed within the smallest groups, edge by edge.
+    vertices = filtration.space_.vertices_
+    group_of = tree.group_of_object
+    within = [
+        edge
+        for edge in filtration.edges_.tolist()
+        if len({group_of[i] for i in np.flatnonzero(np.isin(vertices, edge))}) == 1
+        and group_of[np.flatnonzero(vertices == edge[0])[0]] >= 0
+    ]
+    formed = []
+    for n_entered in range(len(within) + 1):
+        for component in components(within[:n_entered], len(filtration.space_.multiplicities_)):
+            members = frozenset(np.flatnonzero(np.isin(vertices, list(component))).tolist())
+            is_group = len(members) >= filtration.min_concept_size and members <= set(
+                np.flatnonzero(group_of >= 0)
+            )
+            if is_group and members not in formed and members not in coarse:
+                formed.append(members)
+    finer = [members_within(groups, number) for number in range(len(coarse), len(groups.parents))]
+    assert len(finer) == len(set(finer)) and set(finer) == set(formed)
+    is_below = groups.parents < np.arange(len(groups.parents))
+    assert is_below.all()
+    assert all(
+        members_within(groups, number) < members_within(groups, parent)
+        for number, parent in enumerate(groups.parents.tolist())
+        if parent >= 0
+    )
+    few = groups.coarsest(5)
+    assert [members_within(few, number) for number in range(len(few.parents))] == (coarse + finer)[:5]
+
+
+def members_within(groups, number: int) -> frozenset[int]:
+    """Objects in a group or in a part of it."""
+    inside = set()
+    for one, group in enumerate(groups.group_of_object.tolist()):
+        while group not in (-1, number):
+            group = int(groups.parents[group])
+        if group == number:
+            inside.add(one)
+    return frozenset(inside)

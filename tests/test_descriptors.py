@@ -14,13 +14,14 @@ from shapeconcepts.descriptors import (
     Description,
     Descriptor,
     Joint,
+    PointDistances,
     Surflet,
     get_descriptor,
 )
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
-DESCRIPTORS = [FPFH(), Surflet(), Surflet(scale="metric"), Curvature()]
-N_BINS = {FPFH: 33, Surflet: 135, Curvature: 66}
+DESCRIPTORS = [FPFH(), Surflet(), Surflet(scale="metric"), Curvature(), PointDistances()]
+N_BINS = {FPFH: 33, Surflet: 135, Curvature: 66, PointDistances: 14}
 every_descriptor = pytest.mark.parametrize("descriptor", DESCRIPTORS, ids=repr)
 
 
@@ -183,6 +184,7 @@ def test_get_descriptor():
     assert get_descriptor("fpfh") == FPFH()
     assert get_descriptor("surflet") == Surflet()
     assert get_descriptor("curvature") == Curvature()
+    assert get_descriptor("distance") == PointDistances()
     assert get_descriptor("surflet+fpfh") == Joint((Surflet(), FPFH()))
     assert get_descriptor("surflet+fpfh+curvature") == Joint((Surflet(), FPFH(), Curvature()))
     assert get_descriptor(own) is own
@@ -190,8 +192,8 @@ def test_get_descriptor():
     for wrong in ("shot", 3, None, Own):
         with pytest.raises(
             ValueError,
-            match=r"one of 'surflet\+fpfh\+curvature', 'surflet\+fpfh', 'surflet', 'fpfh', 'curvature' or "
-            "have a describe method",
+            match=r"one of 'surflet\+fpfh\+curvature', 'surflet\+fpfh\+curvature\+distance', "
+            r"'surflet\+fpfh', 'surflet', 'fpfh', 'curvature', 'distance' or have a describe method",
         ):
             get_descriptor(wrong)
 

@@ -33,6 +33,7 @@ from shapeconcepts import (
 )
 from shapeconcepts.descriptors import Description
 from shapeconcepts.model import PRESETS
+from shapeconcepts.topology import jensen_shannon_divergences
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*different segment descriptions give")
 BROKEN = Scan(np.full((80, 3), np.nan), name="broken")
@@ -496,25 +497,60 @@ def test_concepts_at_another_granularity(model, new):
         model.at_granularity(2)
 
 
-def test_responses_of_the_whole_tree(model, segmented):
-    tree = model.concept_tree_
-    distances = model.response_.distances(model.stimuli_)
-    placed = np.flatnonzero(model.labels_ >= 0)
+def test_responses_of_groups_within_groups(model, segmented):
+    tree = model.filtration_.group_tree()
+    n_groups = len(tree.parents)
+    members = [members_within(tree, group) for group in range(n_groups)]
+    whole = [describe(one).description.whole() for one in segmented]
+    between = {
+        "stimuli": jensen_shannon_divergences(model.stimuli_),
+        "whole": jensen_shannon_divergences(whole),
+    }
+    to_new = {"stimuli": jensen_shannon_divergences(model.stimuli(segmented[:5]), model.stimuli_)}
+    to_new["whole"] = between["whole"][:5]
     of_training, of_new = model.transform_tree(), model.transform_tree(segmented[:5])
-    assert of_training.shape == (len(model.labels_), len(tree.parents))
-    assert of_new.shape == (5, len(tree.parents))
-    to_new = model.response_.distances(model.stimuli(segmented[:5]))
-    for group in range(len(tree.parents)):
-        members = tree.members(group)
-        columns = np.searchsorted(placed, members)
-        assert np.allclose(of_new[:, group], to_new[:, columns].mean(axis=1))
-        for scan in range(0, len(model.labels_), 5):
-            others = columns[members != scan]
-            assert np.isclose(of_training[scan, group], distances[scan, others].mean())
-    # Those of the concepts are among them.
+    assert of_training.shape == (len(segmented), 2 * n_groups) and of_new.shape == (5, 2 * n_groups)
+    for start, kind in ((0, "stimuli"), (n_groups, "whole")):
+        for group in range(n_groups):
+            expected = to_new[kind][:, members[group]].mean(axis=1)
+            # Whole objects are kept in half precision.
+            assert np.allclose(of_new[:, start + group], expected, atol=1e-3)
+            for scan in range(0, len(segmented), 5):
+                others = members[group][members[group] != scan]
+                expected = between[kind][scan, others].mean()
+                assert np.isclose(of_training[scan, start + group], expected, atol=1e-3)
+    # Those of the concepts are among them, and the coarsest come first.
     of_concepts = model.transform(segmented[:5])
-    cut = tree.cut(model.filtration_.granularity_)
-    assert np.allclose(np.sort(of_new[:, cut], axis=1), np.sort(of_concepts, axis=1))
+    coarse = of_new[:, : len(model.concept_tree_.parents)]
+    assert all(np.isclose(coarse, column[:, None]).all(axis=0).any() for column in of_concepts.T)
+    fewer = model.transform_tree(segmented[:5], n_groups=4)
+    assert np.allclose(fewer, np.concatenate([of_new[:, :4], of_new[:, n_groups : n_groups + 4]], axis=1))
+    with pytest.raises(ValueError, match="n_groups must be an integer of at least 1, got 0"):
+        model.transform_tree(n_groups=0)
+
+
+def members_within(tree, group):
+    """Objects in a group or in one that is a part of it."""
+    inside = []
+    for one, smallest in enumerate(tree.group_of_object.tolist()):
+        while smallest not in (-1, group):
+            smallest = tree.parents[smallest]
+        if smallest == group:
+            inside.append(one)
+    return np.array(inside)
+
+
+def test_responses_of_groups_with_scans_that_cannot_be_used(segmented):
+    with pytest.warns(ScanWarning):
+        model = ShapeConceptModel().fit([*segmented[:20], BROKEN, *segmented[20:]])
+    whole = ShapeConceptModel().fit(segmented)
+    of_training = model.transform_tree()
+    assert np.isnan(of_training[20]).all()
+    assert np.array_equal(np.delete(of_training, 20, axis=0), whole.transform_tree())
+    with pytest.warns(ScanWarning):
+        of_new = model.transform_tree([segmented[3], BROKEN])
+    assert np.isnan(of_new[1]).all()
+    assert np.array_equal(of_new[:1], whole.transform_tree([segmented[3]]))
 
 
 def test_recognition(model, segmented):

@@ -265,7 +265,9 @@ def test_own_descriptors_cannot_be_saved(path):
 
     path.write_text("old")
     for descriptor in (Own(), Derived()):
-        with pytest.raises(ModelError, match=r"stage of one's own.* FPFH, Surflet, Curvature, Joint.*, got"):
+        with pytest.raises(
+            ModelError, match=r"stage of one's own.* FPFH, Surflet, Curvature, PointDistances, Joint.*, got"
+        ):
             fitted_model(descriptor=descriptor).save(path)
     assert path.read_text() == "old"
 

@@ -55,7 +55,8 @@ def draw_dictionary(
         The objects that it was learned from, in the same order. Without them the tree has no examples.
     path : path, optional
         Where to save the picture; the ending chooses the format (`.png`, `.jpg`, `.webp`).
-    descriptor : {"surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"} or Descriptor
+    descriptor : str or Descriptor
+        A name as of `get_descriptor`.
         What the segments were described by.
     n_levels : int
         Number of dictionary levels to draw, 1 to 5, from the first; not more than there are.

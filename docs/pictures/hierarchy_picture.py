@@ -66,7 +66,8 @@ def draw_hierarchy(
         Which of the hierarchies, from 1.
     path : path, optional
         Where to save the picture; the ending chooses the format (`.png`, `.jpg`, `.webp`).
-    descriptor : {"surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"} or Descriptor
+    descriptor : str or Descriptor
+        A name as of `get_descriptor`.
         What the training objects were described by.
     n_vertices : int
         Largest number of vertices drawn at each motif level, 1 to 30: the activated ones, the strongest

@@ -29,7 +29,8 @@ def word_examples(
         Fitted.
     objects : sequence of SegmentedObject
         The objects that it was learned from, in the same order.
-    descriptor : {"surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"} or Descriptor
+    descriptor : str or Descriptor
+        A name as of `get_descriptor`.
         What the segments were described by.
     n_levels : int
         Levels from the first.

@@ -17,7 +17,6 @@ from sklearn.utils._param_validation import HasMethods
 from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.concepts import Concept, ConceptResponse, ConceptTree, Filtration
-from shapeconcepts.concepts.concept_tree import group_responses
 from shapeconcepts.concepts.recognition import Recognition, concept_shares, foreign_segments
 from shapeconcepts.descriptors import (
     DescribedObject,
@@ -31,9 +30,10 @@ from shapeconcepts.model_file import ModelState, read_state, write_state
 from shapeconcepts.model_file.layout import STAGES
 from shapeconcepts.motifs import Explanation, MotifHierarchyEnsemble
 from shapeconcepts.motifs.stimuli import with_empty_rows
-from shapeconcepts.parameters import StagesMixin, check_parameters, choice
+from shapeconcepts.parameters import StagesMixin, check_integer, check_parameters, choice
 from shapeconcepts.scan import ScanError
 from shapeconcepts.segmentation import SegmentedObject, Segmenter
+from shapeconcepts.topology import jensen_shannon_divergences
 
 PRESETS = ("default", "paper")
 
@@ -48,8 +48,9 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
     Parameters
     ----------
     segmenter : Segmenter, optional
-    descriptor : {"surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"} or Descriptor
-        A model with a descriptor of one's own cannot be saved.
+    descriptor : str or Descriptor
+        A name as of `get_descriptor`; "surflet+fpfh+curvature+distance" is where size counts, too. A model
+        with a descriptor of one's own cannot be saved.
     ensemble : MotifHierarchyEnsemble, optional
     filtration : Filtration, optional
     response : ConceptResponse, optional
@@ -241,8 +242,11 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         stimuli = self.stimuli(X)
         return self.response_.transform(stimuli)
 
-    def transform_tree(self, X: Iterable[object] | None = None) -> NDArray[np.float64]:
-        """Responses of all groups of `concept_tree_`, coarse to fine: more to tell scans apart by.
+    def transform_tree(self, X: Iterable[object] | None = None, n_groups: int = 256) -> NDArray[np.float64]:
+        """Responses of groups within groups, coarse to fine: features to tell scans apart by.
+
+        Each group of `concept_tree_`, and each that formed within the smallest of them, gives two: the mean
+        distance to its members by stimuli, as a concept's response, and that of whole objects.
 
         Parameters, errors and warnings are those of `transform`, and more:
 
@@ -250,27 +254,45 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         ----------
         X : iterable or None
             None: the training scans, each compared with the others only, as a new scan would be.
+        n_groups : int
+            The coarsest so many, if there are more.
 
         Returns
         -------
-        (m, n_groups) float64
-            A column for each group of `concept_tree_`.
+        (m, 2 k) float64
+            Of k groups: the responses by stimuli, coarse to fine, then by whole objects.
 
         Raises
         ------
         ValueError
-            If there is no tree, as a time makes the concepts.
+            If there is no tree, as a time makes the concepts, or `n_groups` is not a positive integer.
         """
         check_is_fitted(self, "response_")
-        tree = self.filtration_._tree()
-        distances = self.response_.distances(self.stimuli_ if X is None else self.stimuli(X))
-        placed = np.flatnonzero(self.labels_ >= 0)
-        if X is not None:
-            return group_responses(distances, tree, placed)
-        responses = np.full((len(self.labels_), len(tree.parents)), np.nan)
-        responses[self.labels_ < 0] = group_responses(distances[self.labels_ < 0], tree, placed)
-        responses[placed] = group_responses(distances[placed], tree, placed, own=True)
-        return responses
+        check_integer("n_groups", n_groups, 1)
+        tree = self.filtration_.group_tree().coarsest(n_groups)
+        members = np.flatnonzero(self.labels_ >= 0)
+        described = None if X is None else self._described(X)
+        stimuli = self.stimuli_ if described is None else self._rows(described, self.ensemble_.transform)
+        own = np.arange(len(self.labels_)) if described is None else np.full(len(described), -1)
+        by_stimuli = self.response_.distances(stimuli)
+        by_whole = self._whole_divergences(described)[:, self._concept_of_object >= 0]
+        return np.concatenate(
+            [tree.mean_distances(distances, members, own) for distances in (by_stimuli, by_whole)], axis=1
+        )
+
+    def _whole_divergences(self, described: list[DescribedObject | None] | None) -> NDArray[np.float64]:
+        """Of whole objects, None for those learned from, from all these; NaN where there is no description."""
+        known = self.ensemble_.hierarchies_.object_histograms
+        if described is None:
+            usable = ~np.isin(np.arange(len(self.labels_)), list(self.skipped_))
+            divergences = jensen_shannon_divergences(known)
+        else:
+            usable = np.array([one is not None for one in described], bool)
+            rows = [one.description.whole().astype(known.dtype) for one in described if one]
+            divergences = jensen_shannon_divergences(np.array(rows) if rows else known[:0], known)
+        all_rows = np.full((len(usable), len(known)), np.nan)
+        all_rows[usable] = divergences
+        return all_rows
 
     def predict(self, X: Iterable[object]) -> NDArray[np.int64]:
         """Concept of whose members each scan reminds most, -1 for a scan unlike all.

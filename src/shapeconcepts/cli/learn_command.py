@@ -93,12 +93,28 @@ def learn(
         typer.Option(metavar="N", show_default=THE_PRESETS, help="Smallest number of scans in a concept."),
     ] = None,
     descriptor: Annotated[
-        Literal["surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"] | None,
+        Literal[
+            "surflet+fpfh+curvature",
+            "surflet+fpfh+curvature+distance",
+            "surflet+fpfh",
+            "surflet",
+            "fpfh",
+            "curvature",
+            "distance",
+        ]
+        | None,
         typer.Option(
             show_default=THE_PRESETS,
-            help="What describes a segment: pairs of points, FPFH, curvatures, or several of them.",
+            help="What describes a segment: pairs of points, FPFH, curvatures, distances, or several.",
         ),
     ] = None,
+    scale: Annotated[
+        Literal["relative", "metric"],
+        typer.Option(
+            help="Whether objects of the same shape are alike at any size, or size in metres counts, too, "
+            "as between a small nut and a large one: the descriptor surflet+fpfh+curvature+distance.",
+        ),
+    ] = "relative",
     levels: Annotated[
         int | None,
         typer.Option(
@@ -147,6 +163,13 @@ def learn(
         raise typer.BadParameter(
             "is not for the preset paper, which takes concepts at a time", param_hint="--granularity"
         )
+    if scale == "metric":
+        if descriptor is not None or preset == "paper":
+            raise typer.BadParameter(
+                "'metric' is a descriptor of its own: not with --descriptor or the preset paper",
+                param_hint="--scale",
+            )
+        descriptor = "surflet+fpfh+curvature+distance"
     reading = read_options(intrinsics, depth_scale, mask)
     sources: list[ScanFile | SimulatedObject] = [*scan_files(data, mask)] if data else simulated_objects()
     learner = _learner(preset)

@@ -165,38 +165,3 @@ def _times_of_splits(
             times[e] = within
         latest[surviving] = max(within, 0.0 if np.isnan(times[e]) else times[e])
     return times
-
-
-def group_responses(
-    distances: NDArray[np.float64], tree: ConceptTree, placed: NDArray[np.int64], own: bool = False
-) -> NDArray[np.float64]:
-    """Mean distance to the members of each group of a tree (paper: equation 3, coarse to fine).
-
-    Parameters
-    ----------
-    distances : (m, p) float64
-        Of each scan to the training objects that are in a group.
-    tree : ConceptTree
-    placed : (p,) int64
-        Which training objects these are, rising.
-    own : bool
-        Whether the scans are these objects: none counts in its own mean, as it does not in that of others.
-
-    Returns
-    -------
-    (m, k) float64
-        NaN in the row of a scan without any distance.
-    """
-    smallest = tree.group_of_object[placed]
-    n_groups = len(tree.parents)
-    # Row by row: summed over a matrix, the rounding of a row would depend on how many there are.
-    sums = np.array([np.bincount(smallest, row, n_groups) for row in distances]).reshape(-1, n_groups)
-    counts = np.tile(np.bincount(smallest, minlength=n_groups), (len(sums), 1))
-    if own:
-        counts[np.arange(len(sums)), smallest] -= 1
-    for group, parent in enumerate(tree.parents.tolist()):
-        # Children come before their parents.
-        if parent >= 0:
-            sums[:, parent] += sums[:, group]
-            counts[:, parent] += counts[:, group]
-    return sums / counts

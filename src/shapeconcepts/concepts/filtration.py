@@ -15,6 +15,7 @@ from sklearn.utils.validation import check_is_fitted
 from shapeconcepts.concepts.concept import Concept
 from shapeconcepts.concepts.concept_tree import ConceptTree
 from shapeconcepts.concepts.concepts_of_groups import concepts_of_groups, concepts_of_members
+from shapeconcepts.concepts.group_tree import GroupTree
 from shapeconcepts.concepts.significance import significant, split_p_values
 from shapeconcepts.concepts.stopping import most_annexations
 from shapeconcepts.parameters import (
@@ -295,6 +296,16 @@ class Filtration(ClusterMixin, BaseEstimator):
                 "groups_at gives the groups at a time"
             )
         return self.concept_tree_
+
+    def group_tree(self) -> GroupTree:
+        """All groups of `concept_tree_`, and those that formed within the smallest of them.
+
+        Raises
+        ------
+        ValueError
+            If `stop` is "annexations", where there is no tree.
+        """
+        return GroupTree.below(self._tree(), self._history, self.min_concept_size)
 
     def annexations(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """Annexations per step of time (paper: annexation curve).

@@ -5,6 +5,7 @@ from shapeconcepts.descriptors.described_object import DescribedObject, Describe
 from shapeconcepts.descriptors.described_scans import describe_scan, describe_scans, list_of_scans
 from shapeconcepts.descriptors.fpfh import FPFH, compute_fpfh
 from shapeconcepts.descriptors.joint import Joint
+from shapeconcepts.descriptors.point_distances import PointDistances
 from shapeconcepts.descriptors.protocol import Description, Descriptor
 from shapeconcepts.descriptors.registry import get_descriptor
 from shapeconcepts.descriptors.surflet import Surflet
@@ -17,6 +18,7 @@ __all__ = [
     "Description",
     "Descriptor",
     "Joint",
+    "PointDistances",
     "Surflet",
     "compute_fpfh",
     "compute_principal_curvatures",

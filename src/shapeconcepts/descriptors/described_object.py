@@ -72,7 +72,8 @@ def describe(
     Parameters
     ----------
     segmented : SegmentedObject
-    descriptor : {"surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"} or Descriptor
+    descriptor : str or Descriptor
+        A name as of `get_descriptor`.
     n_occlusions : int
         How many times the object is described again as if a part of it were hidden, see `imagine_occlusion`,
         for an ensemble to learn from.

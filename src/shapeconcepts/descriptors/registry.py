@@ -7,15 +7,18 @@ from collections.abc import Callable
 from shapeconcepts.descriptors.curvature import Curvature
 from shapeconcepts.descriptors.fpfh import FPFH
 from shapeconcepts.descriptors.joint import Joint
+from shapeconcepts.descriptors.point_distances import PointDistances
 from shapeconcepts.descriptors.protocol import Descriptor
 from shapeconcepts.descriptors.surflet import Surflet
 
 DESCRIPTORS: dict[str, Callable[[], Descriptor]] = {
     "surflet+fpfh+curvature": lambda: Joint((Surflet(), FPFH(), Curvature())),
+    "surflet+fpfh+curvature+distance": lambda: Joint((Surflet(), FPFH(), Curvature(), PointDistances())),
     "surflet+fpfh": lambda: Joint((Surflet(), FPFH())),
     "surflet": Surflet,
     "fpfh": FPFH,
     "curvature": Curvature,
+    "distance": PointDistances,
 }
 DEFAULT = next(iter(DESCRIPTORS))
 
@@ -25,7 +28,9 @@ def get_descriptor(descriptor: str | Descriptor) -> Descriptor:
 
     Parameters
     ----------
-    descriptor : {"surflet+fpfh+curvature", "surflet+fpfh", "surflet", "fpfh", "curvature"} or Descriptor
+    descriptor : {"surflet+fpfh+curvature", "surflet+fpfh+curvature+distance", "surflet+fpfh", \
+                  "surflet", "fpfh", "curvature", "distance"} or Descriptor
+        By shape, the default; by shape and size, in metres; or by less.
 
     Raises
     ------

@@ -148,6 +148,7 @@ def _check_prototypes(tensors: Tensors, n_objects: int) -> None:
     objects = tensors["prototypes.objects"]
     for name, tolerance in (
         ("prototypes.histograms", _SUM_TOLERANCE),
+        ("objects.histograms", _HALF_SUM_TOLERANCE),
         ("imagined.histograms", _HALF_SUM_TOLERANCE),
     ):
         _check_range(tensors, name, 0, 1 + tolerance)
@@ -168,6 +169,8 @@ def _check_prototypes(tensors: Tensors, n_objects: int) -> None:
         bool(((steps == 0) | (steps == 1)).all()),
         f"tensor prototypes.objects must rise from 0 to {n_objects - 1} without a gap",
     )
+    n_whole = len(tensors["objects.histograms"])
+    require(n_whole == n_objects, f"tensor objects.histograms must hold {n_objects} objects, has {n_whole}")
     _check_range(tensors, "prototypes.constellations", 1, 2**MAX_SEGMENTS - 1)
     constellations, n_segments = tensors["prototypes.constellations"], len(tensors["dictionary.clusters"])
     n_single = int((constellations & (constellations - 1) == 0).sum())

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapeconcepts.model_file.error import require
 from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
 
-FORMAT = 8
+FORMAT = 9
 
 Tensors = dict[str, NDArray[Any]]
 
@@ -30,6 +30,7 @@ LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
     "prototypes.motifs": ("int32", ("prototypes", "levels")),
     "prototypes.objects": ("int32", ("prototypes",)),
     "prototypes.constellations": ("int64", ("prototypes",)),
+    "objects.histograms": ("float16", ("objects", "bins")),
     # What imagined occlusions leave of prototypes.
     "imagined.histograms": ("float16", ("imagined", "bins")),
     "imagined.prototypes": ("int32", ("imagined",)),

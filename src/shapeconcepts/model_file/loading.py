@@ -106,6 +106,7 @@ def _fit_ensemble(
         prototype_vertices=tensors["prototypes.motifs"],
         prototype_objects=tensors["prototypes.objects"],
         prototype_constellations=tensors["prototypes.constellations"],
+        object_histograms=tensors["objects.histograms"],
         object_names=tuple(name for i, name in enumerate(description["scan_names"]) if i not in skipped),
     )
     imagined = ImaginedPrototypes(tensors["imagined.histograms"], tensors["imagined.prototypes"])

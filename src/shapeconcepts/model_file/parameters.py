@@ -8,7 +8,7 @@ import numpy as np
 from sklearn.base import BaseEstimator
 
 from shapeconcepts.concepts import ConceptResponse, Filtration
-from shapeconcepts.descriptors import FPFH, Curvature, Joint, Surflet
+from shapeconcepts.descriptors import FPFH, Curvature, Joint, PointDistances, Surflet
 from shapeconcepts.descriptors.registry import DESCRIPTORS
 from shapeconcepts.model_file.error import ModelError, require
 from shapeconcepts.model_file.layout import check_names
@@ -23,6 +23,7 @@ _STAGES: dict[str, type[BaseEstimator]] = {
         FPFH,
         Surflet,
         Curvature,
+        PointDistances,
         Joint,
         SegmentDictionary,
         MotifHierarchyEnsemble,
@@ -94,8 +95,9 @@ def decode_descriptor(encoded: object) -> Any:
 
 def _require_descriptor(value: object) -> None:
     require(
-        isinstance(value, FPFH | Surflet | Curvature | Joint),
-        f"descriptor must be a name or of type FPFH, Surflet, Curvature or Joint, got {value!r:.60}",
+        isinstance(value, FPFH | Surflet | Curvature | PointDistances | Joint),
+        "descriptor must be a name or of type FPFH, Surflet, Curvature, PointDistances or Joint, "
+        f"got {value!r:.60}",
     )
     if isinstance(value, Joint):
         require(

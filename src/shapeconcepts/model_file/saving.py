@@ -85,6 +85,7 @@ def _tensors(state: ModelState) -> Tensors:
         "prototypes.motifs": hierarchies.prototype_vertices,
         "prototypes.objects": hierarchies.prototype_objects,
         "prototypes.constellations": hierarchies.prototype_constellations,
+        "objects.histograms": hierarchies.object_histograms,
         "imagined.histograms": state.ensemble.imagined_.histograms,
         "imagined.prototypes": state.ensemble.imagined_.prototypes,
         "stimuli.sources": state.ensemble.columns_,

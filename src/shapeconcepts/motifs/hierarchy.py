@@ -52,6 +52,8 @@ class MotifHierarchies:
         Training object, counted in the order in which they were seen.
     prototype_constellations : (p,) int64
         The object's segments behind the prototype, as a bitmask.
+    object_histograms : (o, b) float16
+        Description of each training object as a whole; a row sums to 1, or to 0 where there is nothing.
     object_names : tuple of str
     """
 
@@ -63,6 +65,7 @@ class MotifHierarchies:
     prototype_vertices: NDArray[np.int32]
     prototype_objects: NDArray[np.int32]
     prototype_constellations: NDArray[np.int64]
+    object_histograms: NDArray[np.float16]
     object_names: tuple[str, ...]
 
     @classmethod
@@ -77,6 +80,7 @@ class MotifHierarchies:
             prototype_vertices=np.empty((0, n_levels), np.int32),
             prototype_objects=np.empty(0, np.int32),
             prototype_constellations=np.empty(0, np.int64),
+            object_histograms=np.empty((0, n_bins), np.float16),
             object_names=(),
         )
 
@@ -175,6 +179,9 @@ class MotifHierarchies:
             prototype_objects=np.concatenate([self.prototype_objects, new_objects]).astype(np.int32),
             prototype_constellations=np.concatenate(
                 [self.prototype_constellations, *(p.constellations for p in propagations)]
+            ),
+            object_histograms=np.concatenate(
+                [self.object_histograms, *(p.whole[None].astype(np.float16) for p in propagations)]
             ),
             object_names=(*self.object_names, *names),
         )

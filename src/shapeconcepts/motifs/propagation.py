@@ -26,6 +26,8 @@ class Propagation(NamedTuple):
     histograms : (k, b) float32
         Description of each constellation; a row sums to 1, or to 0 where there is nothing to describe.
     segment_edges : (e, 2) int32
+    whole : (b,) float64
+        Description of all segments together, whether they are a constellation or not.
     """
 
     constellations: NDArray[np.int64]
@@ -33,6 +35,7 @@ class Propagation(NamedTuple):
     words: NDArray[np.int32]
     histograms: NDArray[np.float32]
     segment_edges: NDArray[np.int32]
+    whole: NDArray[np.float64]
 
 
 class DecomposedObject(NamedTuple):
@@ -44,6 +47,7 @@ class DecomposedObject(NamedTuple):
     motif_levels : (k,) int32
     histograms : (k, b) float64
     segment_edges : (e, 2) int32
+    whole : (b,) float64
         As in `Propagation`.
     n_segments : int
     name : str
@@ -53,6 +57,7 @@ class DecomposedObject(NamedTuple):
     motif_levels: NDArray[np.int32]
     histograms: NDArray[np.float64]
     segment_edges: NDArray[np.int32]
+    whole: NDArray[np.float64]
     n_segments: int
     name: str
 
@@ -77,7 +82,13 @@ def decompose_object(described: DescribedObject) -> DecomposedObject:
     constellations, motif_levels = decompose(described.segment_edges, n_segments)
     histograms = described.description.histograms(constellations)
     return DecomposedObject(
-        constellations, motif_levels, histograms, described.segment_edges, n_segments, described.name
+        constellations,
+        motif_levels,
+        histograms,
+        described.segment_edges,
+        described.description.whole(),
+        n_segments,
+        described.name,
     )
 
 
@@ -101,6 +112,7 @@ def propagate(objects: Sequence[DecomposedObject], dictionary: SegmentDictionary
             _words_within(one.constellations, segment_words),
             one.histograms.astype(np.float32),
             one.segment_edges,
+            one.whole,
         )
         for one, segment_words in zip(objects, words_of, strict=True)
     ]
