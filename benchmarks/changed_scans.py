@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from shapeconcepts import Scan, segment
+from shapeconcepts.evaluation import foreign_points
+from shapeconcepts.evaluation.foreign_points import touching_part
 from shapeconcepts.preparation import PreparedObject, prepare
 from shapeconcepts.preparation.sensor_direction import estimate_viewpoint
 from shapeconcepts.simulation.sensor_model import SensorModel
@@ -134,48 +136,16 @@ def foreign_object(scan: Scan, rng: np.random.Generator, share: float, others: S
     """With a part of an object of another label beside it that touches it, so many of all points."""
     different = [one for one in others if one.label != scan.label]
     other = different[rng.integers(len(different))]
-    return _joined(scan, _beside(scan, other.points, rng, share))
+    return _joined(scan, touching_part(scan.points, _sight(scan), other.points, share, rng))
 
 
 def table_strip(scan: Scan, rng: np.random.Generator, share: float) -> Scan:
     """With a strip of a plane below its lower rim in the image, so many of all points."""
-    viewpoint, _, _ = _seen(scan)
-    centre = scan.points.mean(axis=0)
-    sight = (centre - viewpoint) / np.linalg.norm(centre - viewpoint)
-    sides = np.linalg.svd(sight[None])[2][1:]
-    down = rng.normal(size=2) @ sides
-    down /= np.linalg.norm(down)
-    along = np.cross(sight, down)
-    # Seen at 30 to 60 degrees, as a table is.
-    tilt = np.radians(rng.uniform(30, 60))
-    towards = np.sin(tilt) * down - np.cos(tilt) * sight
-    place = (scan.points - centre) @ np.array([along, down]).T
-    rim = place[:, 1] >= np.quantile(place[:, 1], 0.98)
-    start = scan.points[rim].mean(axis=0)
-    n = round(share / (1 - share) * len(scan))
-    width, area = np.ptp(place[:, 0]), np.ptp(place[:, 0]) * np.ptp(place[:, 1])
-    depth = area * share / (1 - share) / max(width, 1e-9)
-    across = (rng.random(n) - 0.5) * width
-    strip = start + across[:, None] * along + (rng.random(n) * depth)[:, None] * towards
-    return _joined(scan, strip)
+    return _joined(scan, foreign_points.table_strip(scan.points, _sight(scan), share, rng))
 
 
-def _beside(
-    scan: Scan, points: NDArray[np.float64], rng: np.random.Generator, share: float
-) -> NDArray[np.float64]:
-    """Points of another scan, moved until they touch from a random side, and cut to a share of all."""
-    viewpoint, _, _ = _seen(scan)
-    centre = scan.points.mean(axis=0)
-    sight = (centre - viewpoint) / np.linalg.norm(centre - viewpoint)
-    side = rng.normal(size=2) @ np.linalg.svd(sight[None])[2][1:]
-    side /= np.linalg.norm(side)
-    n = min(round(share / (1 - share) * len(scan)), len(points))
-    reach = points @ side
-    kept = points[np.argsort(reach)[:n]]
-    ours, theirs = scan.points @ side, kept @ side
-    near_us = scan.points[ours >= np.quantile(ours, 0.95)].mean(axis=0)
-    near_them = kept[theirs <= np.quantile(theirs, 0.05)].mean(axis=0)
-    return kept + (near_us - near_them)
+def _sight(scan: Scan) -> NDArray[np.float64]:
+    return scan.points.mean(axis=0) - _seen(scan)[0]
 
 
 def _joined(scan: Scan, foreign: NDArray[np.float64]) -> Scan:

@@ -281,7 +281,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         )
 
     def _whole_divergences(self, described: list[DescribedObject | None] | None) -> NDArray[np.float64]:
-        """Of whole objects, None for those learned from, from all these; NaN where there is no description."""
+        """Of whole objects, None for those learned from, from all these; NaN where none is described."""
         known = self.ensemble_.hierarchies_.object_histograms
         if described is None:
             usable = ~np.isin(np.arange(len(self.labels_)), list(self.skipped_))

@@ -189,8 +189,12 @@ def evaluation(labels: Sequence[str] = SEVEN, repetitions: int = 5, random_state
         command="shapeconcepts evaluate --report evaluation.html",
         hidden=HiddenPartsResult(
             [
-                HiddenPartsRow("our concepts", [0.01] * repetitions, [0.12] * repetitions),
-                HiddenPartsRow("histograms", [0.02] * repetitions, [0.34] * repetitions),
+                HiddenPartsRow(
+                    "our concepts", [0.01] * repetitions, [0.12] * repetitions, [0.23] * repetitions
+                ),
+                HiddenPartsRow(
+                    "histograms", [0.02] * repetitions, [0.34] * repetitions, [0.45] * repetitions
+                ),
             ]
         ),
     )

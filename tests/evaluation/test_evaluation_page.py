@@ -123,9 +123,9 @@ def test_ours_stands_beside_the_papers(page, evaluation):
     assert page.row("mean purity of five concepts") == ["52.0 %", "–", "50.0 %"]
 
 
-def test_errors_with_hidden_parts_stand_beside_each_other(page):
+def test_errors_with_hidden_and_foreign_parts_stand_beside_each_other(page):
     ours, histograms = page.row("our concepts"), page.row("histograms")
-    assert ours[0].startswith("1.0 %") and ours[1].startswith("12.0 %")
+    assert ours[0].startswith("1.0 %") and ours[1].startswith("12.0 %") and ours[2].startswith("23.0 %")
     assert histograms[0].startswith("2.0 %") and histograms[1].startswith("34.0 %")
 
 

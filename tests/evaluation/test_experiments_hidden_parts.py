@@ -8,6 +8,7 @@ from sklearn.neighbors import KNeighborsClassifier
 import shapeconcepts
 from shapeconcepts.evaluation import stratified_splits
 from shapeconcepts.evaluation.experiments.hidden_parts import ROWS, hidden_parts
+from shapeconcepts.evaluation.foreign_points import with_foreign_points
 from shapeconcepts.topology import jensen_shannon_divergences
 
 OBJECTS = simulated_objects()
@@ -26,6 +27,7 @@ def test_errors_are_those_of_the_model_and_of_nearest_histograms() -> None:
             ([described[i] for i in test], labels[test], [row.nothing_hidden for row in result.rows]),
             ([one for one, _ in hidden], np.array([label for _, label in hidden]),
              [row.part_hidden for row in result.rows]),
+            (*with_something_foreign(test), [row.foreign for row in result.rows]),
         ):  # fmt: skip
             wrong = 0
             for concept, label in zip(model.predict(some).tolist(), truth, strict=True):
@@ -48,6 +50,19 @@ def test_errors_are_those_of_the_model_and_of_nearest_histograms() -> None:
             ]
             assert errors[1][repetition] == pytest.approx((np.array(by_label) != truth).mean())
         assert errors[3][repetition] <= errors[2][repetition] + 1 / len(hidden)
+
+
+def with_something_foreign(test):
+    """Test objects with a part of another one that touches them, or with a strip of a table."""
+    objects, truth = [], []
+    for number in test.tolist():
+        others = [i for i, label in enumerate(OBJECTS.labels) if label != OBJECTS.labels[number]]
+        other = OBJECTS.segmented[others[number % len(others)]]
+        one = with_foreign_points(OBJECTS.segmented[number], other, number, "surflet+fpfh+curvature")
+        objects.append(one)
+        truth.append(OBJECTS.labels[number])
+    assert all(objects)
+    return objects, np.array(truth)
 
 
 def test_a_preset_that_imagines_nothing_has_no_hidden_parts() -> None:

@@ -91,12 +91,15 @@ def _print_errors(evaluation: Evaluation) -> None:
 
 
 def _print_hidden(result: HiddenPartsResult) -> None:
-    _title("Share of errors where a part of the test objects is hidden")
+    _title("Share of errors where a part of the test objects is hidden, or something is foreign")
     rows = [
-        [row.recognised_by, *(_percent(float(np.median(x))) for x in (row.nothing_hidden, row.part_hidden))]
+        [
+            row.recognised_by,
+            *(_percent(float(np.median(x))) for x in (row.nothing_hidden, row.part_hidden, row.foreign)),
+        ]
         for row in result.rows
     ]
-    print_table(["recognised by", "nothing hidden", "a part hidden"], rows)
+    print_table(["recognised by", "nothing hidden", "a part hidden", "a fifth foreign"], rows)
 
 
 def _print_supervised(result: SupervisedResult) -> None:

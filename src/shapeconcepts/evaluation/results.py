@@ -224,18 +224,19 @@ class HiddenPartsRow:
     Attributes
     ----------
     recognised_by : str
-    nothing_hidden, part_hidden : list of float
-        Of the test objects as they are, and of what imagined occlusions leave of them.
+    nothing_hidden, part_hidden, foreign : list of float
+        Of the test objects as they are, of what imagined occlusions leave of them, and with foreign points.
     """
 
     recognised_by: str
     nothing_hidden: list[float]
     part_hidden: list[float]
+    foreign: list[float]
 
 
 @dataclass(frozen=True)
 class HiddenPartsResult:
-    """Recognition of objects of which a third to two thirds, or whole segments, are hidden."""
+    """Recognition of objects of which a third to two thirds are hidden, or of which a fifth is foreign."""
 
     rows: list[HiddenPartsRow]
 

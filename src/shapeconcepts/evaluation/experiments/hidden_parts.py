@@ -1,4 +1,4 @@
-"""Recognition of new objects of which a part is hidden."""
+"""Recognition of new objects of which a part is hidden, or beside which something foreign is left."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from shapeconcepts.concepts.recognition import concept_shares
 from shapeconcepts.descriptors import DescribedObject
 from shapeconcepts.evaluation.experiments.concept_responses import fit
+from shapeconcepts.evaluation.foreign_points import with_foreign_points
 from shapeconcepts.evaluation.labelled_objects import LabelledObjects, Progress, run
 from shapeconcepts.evaluation.results import HiddenPartsResult, HiddenPartsRow
 from shapeconcepts.evaluation.splits import Split
+from shapeconcepts.model import ShapeConceptModel
 from shapeconcepts.topology import jensen_shannon_divergences
 
 N_NEAREST = 5
@@ -31,10 +33,11 @@ def hidden_parts(
     n_jobs: int | None = None,
     progress: Progress | None = None,
 ) -> HiddenPartsResult | None:
-    """Learn from the training part, and recognise test objects, as they are and with a part hidden.
+    """Learn from the training part, recognise test objects: as they are, a part hidden, something foreign.
 
     A part is hidden as `imagine_occlusion` does it, of test objects whose occlusions nothing was learned
-    from.
+    from. What is foreign is a fifth of all points, see `with_foreign_points`, of an object of another label
+    or of a table.
 
     Parameters
     ----------
@@ -53,11 +56,21 @@ def hidden_parts(
     described = objects.described[preset]
     if any(not any(described[i].occlusions for i in test) for _, test in splits):
         return None
-    tasks = [(described, objects.labels, split, preset) for split in splits]
+    tested = np.unique(np.concatenate([test for _, test in splits])).tolist()
+    descriptor = ShapeConceptModel.preset(preset).descriptor
+    disturbed = run(
+        with_foreign_points,
+        [(objects.segmented[i], objects.segmented[_other(objects, i)], i, descriptor) for i in tested],
+        n_jobs,
+        progress,
+        "Adding foreign points",
+    )
+    foreign = dict(zip(tested, disturbed, strict=True))
+    tasks = [(described, objects.labels, split, preset, foreign) for split in splits]
     errors = np.array(run(_errors, tasks, n_jobs, progress, "Hidden parts"))
     return HiddenPartsResult(
         [
-            HiddenPartsRow(name, errors[:, row, 0].tolist(), errors[:, row, 1].tolist())
+            HiddenPartsRow(name, *(errors[:, row, column].tolist() for column in range(3)))
             for row, name in enumerate(ROWS)
         ]
     )
@@ -83,7 +96,7 @@ def recognition_errors(
     Returns
     -------
     (4, k) float64
-        A column for each set.
+        A column for each set; NaN for an empty one.
     """
     model = fit(known, preset)
     of_concept = np.array([*(_majority(labels[concept.members]) for concept in model.concepts_), ""])
@@ -98,6 +111,9 @@ def recognition_errors(
     labels_of_both = np.concatenate([labels, [label for _, label in rest]])
     columns = []
     for some, truth in new:
+        if not some:
+            columns.append([np.nan] * len(ROWS))
+            continue
         rows = _histograms(some)
         told = (
             of_concept[model.predict(some)],
@@ -110,15 +126,27 @@ def recognition_errors(
 
 
 def _errors(
-    described: Sequence[DescribedObject], labels: NDArray[np.str_], split: Split, preset: str
+    described: Sequence[DescribedObject],
+    labels: NDArray[np.str_],
+    split: Split,
+    preset: str,
+    foreign: dict[int, DescribedObject | None],
 ) -> NDArray[np.float64]:
-    """Share of errors of each row, with nothing and with a part hidden, (4, 2)."""
+    """Share of errors of each row, with nothing and a part hidden, and something foreign, (4, 3)."""
     training, test = split
     hidden = [(one.described, i) for i in test for one in described[i].occlusions]
     as_they_are = [described[i] for i in test], labels[test]
     in_part = [one for one, _ in hidden], labels[[i for _, i in hidden]]
+    usable = [i for i in test if foreign[i]]
+    disturbed = [one for i in usable if (one := foreign[i])], labels[usable]
     known = [described[i] for i in training]
-    return recognition_errors(known, labels[training], preset, [as_they_are, in_part])
+    return recognition_errors(known, labels[training], preset, [as_they_are, in_part, disturbed])
+
+
+def _other(objects: LabelledObjects, number: int) -> int:
+    """An object of another label."""
+    different = np.flatnonzero(objects.labels != objects.labels[number])
+    return int(different[number % len(different)])
 
 
 def _histograms(objects: Sequence[DescribedObject]) -> NDArray[np.float64]:

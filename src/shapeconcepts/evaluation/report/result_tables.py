@@ -87,16 +87,17 @@ def _supervised_rows(result: SupervisedResult | None) -> list[tuple[str, str, st
 
 
 def hidden_table(result: HiddenPartsResult) -> str:
-    """Share of errors with nothing and with a part hidden."""
+    """Share of errors with nothing and with a part hidden, and with something foreign."""
     rows: list[list[Cell]] = [
         [
             row.recognised_by,
             median_and_range(row.nothing_hidden, percent),
             median_and_range(row.part_hidden, percent),
+            median_and_range(row.foreign, percent),
         ]
         for row in result.rows
     ]
-    return table(["recognised by", "nothing hidden", "a part hidden"], rows)
+    return table(["recognised by", "nothing hidden", "a part hidden", "a fifth foreign"], rows)
 
 
 def error_table(

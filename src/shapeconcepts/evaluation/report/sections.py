@@ -73,7 +73,9 @@ def sections(evaluation: Evaluation, figures: Mapping[str, Figure]) -> list[Sect
         ),
     ]
     if evaluation.hidden is not None:
-        made.append(Section("hidden", "Hidden parts", [_HIDDEN, hidden_table(evaluation.hidden)]))
+        made.append(
+            Section("hidden", "Hidden parts and foreign points", [_HIDDEN, hidden_table(evaluation.hidden)])
+        )
     if evaluation.levels is not None:
         made.append(Section("levels", "Dictionary levels", [drawn("levels")]))
     if evaluation.supervised is not None:
@@ -105,7 +107,9 @@ _UNSUPERVISED = (
 )
 _HIDDEN = (
     "<p>Test objects are recognised as they are, and again with a third to two thirds hidden beyond a "
-    "straight border or behind something round, or without some of their segments. The right concept is one "
+    "straight border or behind something round, or without some of their segments; and with something "
+    "foreign, a fifth of all points: a part of an object of another label, or a table. The right concept is "
+    "one "
     "whose most frequent label is the object’s; motifs tell the label of whose training objects an object "
     "reminds most, and histograms the majority label of the five nearest. Shares of errors, medians over "
     "the splits.</p>"
