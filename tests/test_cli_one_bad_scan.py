@@ -60,7 +60,7 @@ def break_step(monkeypatch: pytest.MonkeyPatch, owner: object, step: str, error:
     monkeypatch.setattr(owner, step, fails)
 
 
-STEPS = [(collection, "read_scan"), (Segmenter, "segment"), (descriptors, "describe")]
+STEPS = [(collection, "read_scan_silently"), (Segmenter, "segment"), (descriptors, "describe")]
 
 
 @pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)

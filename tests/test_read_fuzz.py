@@ -39,6 +39,7 @@ def _valid_files():
     table = "\n".join(f"{x:.4f} {y:.4f} {z:.4f} {i}" for i, (x, y, z) in enumerate(points))
     files["a.xyz"] = table.encode()
     files["a.txt"] = b"60\n" + table.encode()
+    files["a.pts"], files["a.asc"] = files["a.txt"], files["a.xyz"]
     files["a.csv"] = b"x,y,z,label\n" + table.replace(" ", ",").encode()
     for name, save in (("a.npy", np.save), ("stored.npz", np.savez), ("deflated.npz", np.savez_compressed)):
         stream = io.BytesIO()
@@ -52,6 +53,10 @@ def _valid_files():
     stream = io.BytesIO()
     Image.fromarray(depth).save(stream, "PNG")
     files["a.png"] = stream.getvalue()
+    for suffix in ("tif", "tiff"):
+        stream = io.BytesIO()
+        Image.fromarray(depth).save(stream, "TIFF")
+        files[f"a.{suffix}"] = stream.getvalue()
     for file_type in ("obj", "off", "stl", "stl_ascii", "glb"):
         data = box.export(file_type=file_type)
         files[f"{file_type}.{file_type[:3]}"] = data.encode() if isinstance(data, str) else data

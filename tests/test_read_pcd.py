@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from shapeconcepts.scan import ScanError
+from shapeconcepts.scan import ScanError, ScanWarning
 from shapeconcepts.sources import read_scan
 
 ENCODINGS = ["ascii", "binary", "binary_compressed"]
@@ -169,19 +169,22 @@ def test_ascii_as_people_write_it(tmp_path):
     )
 
 
-def test_float_labels_are_whole_numbers_or_an_error(tmp_path):
+def test_float_labels_are_whole_numbers_or_left_out(tmp_path):
     fields = [*XYZ, ("label", "F", 4, 1)]
     data = pcd_bytes(fields, [*cloud(3).T, [0, 7, -1]])
     np.testing.assert_array_equal(read_scan(write(tmp_path, data)).point_labels, [0, 7, -1])
     for label in (0.5, np.nan, 1e30):
-        with pytest.raises(ScanError, match="label"):
-            read_scan(write(tmp_path, pcd_bytes(fields, [*cloud(3).T, [0, 7, label]])))
+        with pytest.warns(
+            ScanWarning, match=r"scan\.pcd has labels that cannot be read .*: the points are used without"
+        ):
+            scan = read_scan(write(tmp_path, pcd_bytes(fields, [*cloud(3).T, [0, 7, label]])))
+        assert scan.point_labels is None and len(scan) == 3 and len(scan.notices) == 1
 
 
 def test_label_that_no_int64_holds(tmp_path):
     data = pcd_bytes([*XYZ, ("label", "U", 8, 1)], [*cloud(2).T, np.array([0, 2**63], dtype=np.uint64)])
-    with pytest.raises(ScanError, match="label"):
-        read_scan(write(tmp_path, data))
+    with pytest.warns(ScanWarning, match="labels that cannot be read"):
+        assert read_scan(write(tmp_path, data)).point_labels is None
 
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
@@ -210,15 +213,13 @@ def test_truncated(tmp_path, encoding, kept):
         ({"SIZE": "4 4 2"}, "unknown TYPE F with SIZE 2"),
         ({"SIZE": "4 4"}, "3 FIELDS with 2 SIZE"),
         ({"COUNT": "1 1"}, "2 COUNT"),
-        ({"COUNT": "1 1 0"}, "COUNT 0"),
+        ({"COUNT": "1 1 0"}, "COUNT 1, got 0"),
         ({"COUNT": "1 1 2"}, "COUNT 1"),
         ({"COUNT": "1 1 99999999999999"}, "COUNT 1"),
         ({"COUNT": "1 1 -1"}, "COUNT"),
         ({"FIELDS": "x y w"}, "no field z"),
         ({"FIELDS": "x y y"}, "twice"),
         ({"FIELDS": ""}, "no FIELDS"),
-        ({"VIEWPOINT": "0 0"}, "VIEWPOINT"),
-        ({"VIEWPOINT": "a b c"}, "VIEWPOINT"),
         ({"DATA": "base64"}, "DATA"),
         ({"DATA": ""}, "DATA"),
     ],
@@ -266,7 +267,7 @@ def test_table_that_does_not_fit_the_header(tmp_path):
     header, _, table = pcd_bytes(XYZ, cloud(3).T, "ascii").partition(b"DATA ascii\n")
     with pytest.raises(ScanError, match="4 columns"):
         read_scan(write(tmp_path, header + b"DATA ascii\n" + table.replace(b"\n", b" 1\n")))
-    with pytest.raises(ScanError, match="cannot be read"):
+    with pytest.raises(ScanError, match="4 columns"):
         read_scan(write(tmp_path, header + b"DATA ascii\n" + table[:-1] + b" 1\n"))
 
 
@@ -355,3 +356,10 @@ def test_header_in_capitals_and_small_letters(tmp_path, change, encoding):
     header = "FIELDS x y z\n" + "".join(f"{change(line)}\n" for line in lines)
     (tmp_path / "a.pcd").write_bytes(header.encode() + body)
     np.testing.assert_array_equal(read_scan(tmp_path / "a.pcd").points, [[1, 2, 3], [4, 5, 6]])
+
+
+@pytest.mark.parametrize("viewpoint", ["0 0", "a b c"])
+def test_a_viewpoint_that_cannot_be_read_is_left_out(tmp_path, viewpoint):
+    path = write(tmp_path, pcd_bytes(XYZ, cloud().T, "ascii", VIEWPOINT=viewpoint))
+    with pytest.warns(ScanWarning, match="VIEWPOINT must begin with 3 numbers"):
+        np.testing.assert_array_equal(read_scan(path).points, cloud())

@@ -9,8 +9,11 @@ import pytest
 from shapeconcepts.scan import Scan, ScanError, ScanWarning
 from shapeconcepts.sources import ScanList, find_scan_files, iter_scans, read_scan, read_scans, reader
 
+ROWS = [[0, 0, 1], [0.1, 0, 1]] * 6
+TEXT = "0 0 1\n0.1 0 1\n" * 6
 
-def make(path, text="0 0 1\n0.1 0 1\n"):
+
+def make(path, text=TEXT):
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text)
     return path
@@ -30,7 +33,7 @@ def test_folder_of_category_folders_in_natural_order(tmp_path):
     ]
     assert isinstance(scans, ScanList)
     assert scans.skipped == []
-    np.testing.assert_array_equal(scans[0].points, [[0, 0, 1], [0.1, 0, 1]])
+    np.testing.assert_array_equal(scans[0].points, ROWS)
 
 
 def test_flat_folder_has_no_labels(tmp_path):

@@ -18,7 +18,7 @@ from shapeconcepts.scan import ScanError, ScanWarning
 from shapeconcepts.sources import find_scan_files, read_scan, read_scans
 from shapeconcepts.sources.reader import SCAN_SUFFIXES
 
-POINTS = "0 0 1\n0.1 0 1\n0 0.1 1\n"
+POINTS = "0 0 1\n0.1 0 1\n0 0.1 1\n" * 4
 EPS = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 640 480\n%%EndComments\n%%EndProlog\nshowpage\n%%EOF\n"
 
 

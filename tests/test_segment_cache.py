@@ -13,7 +13,7 @@ from shapeconcepts.cli.object_reader import ObjectReader
 from shapeconcepts.io.write_pcd import write_pcd
 from shapeconcepts.segmentation.segment_cache import SegmentCache
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
-from shapeconcepts.sources import collection
+from shapeconcepts.sources import file_objects
 from shapeconcepts.sources.collection import find_scan_files
 
 KEY = "ab" * 32
@@ -127,7 +127,7 @@ def test_a_file_that_is_replaced_while_it_is_read_is_not_kept(
     path = tmp_path / "scan.pcd"
     write_pcd(path, ball)
     [file] = find_scan_files([path])
-    iter_scans = collection.iter_scans
+    iter_scans = file_objects.iter_scans
 
     def replaced(*arguments: object, **options: object) -> object:
         write_pcd(path, box)
@@ -135,7 +135,7 @@ def test_a_file_that_is_replaced_while_it_is_read_is_not_kept(
 
     reader = ObjectReader({}, Segmenter(), "surflet", cache=cache, keep_segmented=True)
     with monkeypatch.context() as patch:
-        patch.setattr(collection, "iter_scans", replaced)
+        patch.setattr(file_objects, "iter_scans", replaced)
         [read] = reader(file)
     assert read.reason == ""
     assert not cache.folder.exists(), "whose segments these are is not known"

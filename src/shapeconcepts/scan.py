@@ -23,7 +23,10 @@ class ScanError(ValueError):
 
 
 class ScanWarning(UserWarning):
-    """Some scans cannot be used, and are skipped; the message is printable, as that of a ScanError."""
+    """Something about scans that should be looked at; the message is printable, as that of a ScanError.
+
+    Some are skipped, or something in them is not what it should be, see `Scan.notices`.
+    """
 
     def __init__(self, message: object) -> None:
         super().__init__(printable(str(message)))
@@ -50,6 +53,20 @@ def scan_errors(name: str, step: str) -> Iterator[None]:
         raise ScanError(f"{name}: needs more memory than there is to be {step}") from error
     except Exception as error:
         raise ScanError(f"{name}: cannot be {step} ({type(error).__name__}: {error})") from error
+
+
+def measured_rows(points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Points (n, 3) that were measured, (n,) bool.
+
+    Missing measurements are NaN, infinite, or, as many sensors write them, exactly at the origin. Where
+    nothing but the origin is left, it is a point.
+    """
+    # Ten times faster than all(axis=1).
+    x, y, z = np.isfinite(points).T
+    finite = x & y & z
+    x, y, z = points.T != 0.0
+    measured = finite & (x | y | z)
+    return measured if measured.any() else finite
 
 
 def whole_numbers(values: ArrayLike) -> NDArray[np.int64]:
@@ -90,6 +107,9 @@ class Scan:
     instance : str, optional
         Which physical object the scan shows, where the source tells. An evaluation keeps all scans of an
         instance on one side of a split. Learning never looks at it.
+    notices : tuple of str
+        What a reader of its file should know, such as a field that was left out: what was found, a colon, and
+        what that means or can be done about it.
 
     Raises
     ------
@@ -103,6 +123,7 @@ class Scan:
     label: str | None = None
     point_labels: NDArray[np.int64] | None = None
     instance: str | None = None
+    notices: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         points = self._as_array("points", self.points, np.float64)

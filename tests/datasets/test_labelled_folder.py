@@ -72,7 +72,7 @@ def test_point_labels_do_not_make_a_scene_of_parts(tmp_path):
 
 def test_any_category_folders(tmp_path):
     write(tmp_path, "can/0.pcd", "barrel/0.pcd", "mug/a/0.pcd", "mug_1_1_1/mug_1_1_1.pcd")
-    (tmp_path / "mug" / "1.xyz").write_text("0 0 1\n0.1 0 1\n")
+    (tmp_path / "mug" / "1.xyz").write_text("0 0 1\n0.1 0 1\n" * 6)
     assert labels(load_labelled(tmp_path)) == {
         "can/0.pcd": "can",
         "barrel/0.pcd": "barrel",
@@ -84,7 +84,7 @@ def test_any_category_folders(tmp_path):
 
 def test_a_file_of_another_format_beside_the_papers_categories_counts(tmp_path):
     write(tmp_path, "can/0.pcd")
-    (tmp_path / "can" / "1.xyz").write_text("0 0 1\n0.1 0 1\n")
+    (tmp_path / "can" / "1.xyz").write_text("0 0 1\n0.1 0 1\n" * 6)
     assert labels(load_labelled(tmp_path)) == {"can/0.pcd": "can", "can/1.xyz": "can"}
 
 

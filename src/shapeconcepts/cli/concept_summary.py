@@ -32,6 +32,7 @@ def concept_summaries(model: ShapeConceptModel) -> list[dict[str, Any]]:
                 "lifetime": concept.lifetime,
                 "medoid": model.scan_names_[concept.medoid],
                 "labels": dict(labels.most_common()),
+                "n_unlabelled": concept.size - labels.total(),
                 "members": [model.scan_names_[i] for i in concept.members],
             }
         )
@@ -123,4 +124,6 @@ def concept_title(model: ShapeConceptModel, number: int) -> str:
 
 def _shares(counts: dict[str, int], size: int) -> str:
     shares = [f"{label} {count / size:.0%}" for label, count in counts.items()]
-    return ", ".join(shares[:_LABELS_SHOWN]) + (" ..." if len(shares) > _LABELS_SHOWN else "")
+    shown = ", ".join(shares[:_LABELS_SHOWN]) + (" ..." if len(shares) > _LABELS_SHOWN else "")
+    n_unlabelled = size - sum(counts.values())
+    return f"{shown}, unlabelled {n_unlabelled / size:.0%}".removeprefix(", ") if n_unlabelled else shown

@@ -13,6 +13,7 @@ from shapeconcepts.cli.evaluation_tables import print_evaluation
 from shapeconcepts.cli.labelled_input import (
     SegmentedSet,
     data_name,
+    leave_out_rare_labels,
     parse_renames,
     read_labelled,
     renamed,
@@ -20,13 +21,25 @@ from shapeconcepts.cli.labelled_input import (
 )
 from shapeconcepts.cli.model_input import one_thread
 from shapeconcepts.cli.object_reader import ObjectReader, simulated_objects, user_cache
-from shapeconcepts.cli.options import Jobs, Json, Views, check_jobs
+from shapeconcepts.cli.options import (
+    DepthScale,
+    Intrinsics,
+    Jobs,
+    Json,
+    Mask,
+    Units,
+    Up,
+    Views,
+    check_jobs,
+    read_options,
+)
 from shapeconcepts.cli.terminal import (
     busy,
     check_writable,
     fail,
     progress,
     say,
+    say_notices,
     say_skipped,
     tell_json,
     warnings_said,
@@ -35,6 +48,7 @@ from shapeconcepts.cli.terminal import (
 if TYPE_CHECKING:
     from shapeconcepts.cli.object_reader import Source
     from shapeconcepts.evaluation.results import Evaluation
+    from shapeconcepts.sources.reader import ReadOptions
 
 SIMULATED = "simulated"
 
@@ -66,6 +80,11 @@ def evaluate(
         ),
     ] = None,
     views: Views = None,
+    intrinsics: Intrinsics = None,
+    depth_scale: DepthScale = None,
+    mask: Mask = None,
+    units: Units = "m",
+    up: Up = None,
     report: Annotated[
         Path | None,
         typer.Option(
@@ -118,8 +137,8 @@ def evaluate(
     Needs libraries that nothing else needs: pip install 'shapeconcepts[evaluation]'.
 
     About 460 scans take 2 to 4 minutes on two cores. The same data gives the same figures each time. Scans
-    that cannot be used are skipped and listed. The exit code is 0 if all was measured and written, 1 if not,
-    and 2 if the command line is wrong.
+    that cannot be used are skipped and listed, as are those with labels that fewer than four scans have. The
+    exit code is 0 if all was measured and written, 1 if not, and 2 if the command line is wrong.
     """
     check_jobs(jobs)
     if report is not None:
@@ -127,10 +146,21 @@ def evaluate(
     if figures is not None:
         check_writable(figures / "figure.png" if figures.is_dir() else figures, "--figures")
     renames = parse_renames(rename or [])
+    reading = read_options(intrinsics, depth_scale, mask, units, up)
     _check_libraries()
     with one_thread():
         result, failures = _evaluate(
-            data or [], also or [], renames, views, preset, repetitions, jobs, no_cache, report, figures
+            data or [],
+            also or [],
+            renames,
+            views,
+            reading,
+            preset,
+            repetitions,
+            jobs,
+            no_cache,
+            report,
+            figures,
         )
     if as_json:
         from shapeconcepts.evaluation.json_document import plain_values
@@ -159,6 +189,7 @@ def _evaluate(
     also: list[Path],
     renames: dict[str, str],
     views: int | None,
+    reading: ReadOptions,
     preset: str,
     repetitions: int,
     jobs: int,
@@ -169,6 +200,7 @@ def _evaluate(
     from time import perf_counter
 
     from shapeconcepts.evaluation.evaluate import evaluate
+    from shapeconcepts.evaluation.labelled_objects import FEWEST_PER_LABEL
     from shapeconcepts.model import PRESETS, ShapeConceptModel
     from shapeconcepts.segmentation import Segmenter
 
@@ -182,10 +214,13 @@ def _evaluate(
         cache=None if no_cache else user_cache(),
         keep_segmented=True,
     )
-    trained, *others = sets = _data_sets(data, also, renames, views, reader, jobs)
+    trained, *others = sets = _data_sets(data, also, renames, views, reading, reader, jobs)
+    leave_out_rare_labels(trained, FEWEST_PER_LABEL)
     segmenting = perf_counter() - start
     skipped = [scan for one in sets for scan in one.skipped]
-    say_skipped(skipped, len(skipped) + sum(len(one.segmented) for one in sets))
+    n_segmented = sum(len(one.segmented) for one in sets)
+    say_skipped(skipped, len(skipped) + n_segmented)
+    say_notices([notice for one in sets for notice in one.notices], n_segmented)
     try:
         with warnings_said():
             result = evaluate(
@@ -211,6 +246,7 @@ def _data_sets(
     also: list[Path],
     renames: dict[str, str],
     views: int | None,
+    reading: ReadOptions,
     reader: ObjectReader,
     jobs: int,
 ) -> list[SegmentedSet]:
@@ -220,7 +256,7 @@ def _data_sets(
     if not data:
         sets.append((SIMULATED, [*simulated_objects()], []))
     for paths in [*([data] if data else []), *([path] for path in also)]:
-        scans, skipped = read_labelled(paths, views)
+        scans, skipped = read_labelled(paths, views, reading)
         labels |= {str(scan.label) for scan in scans}
         name = data_name(paths)
         if name in {other for other, _, _ in sets}:

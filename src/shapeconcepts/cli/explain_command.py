@@ -21,11 +21,13 @@ from shapeconcepts.cli.options import (
     Mask,
     ModelFile,
     Scenes,
+    Units,
+    Up,
     read_options,
     scan_files,
 )
 from shapeconcepts.cli.pictures import check_picture_path, save_picture
-from shapeconcepts.cli.terminal import fail, print_table, tell, tell_json
+from shapeconcepts.cli.terminal import fail, print_table, say_notices, tell, tell_json
 
 if TYPE_CHECKING:
     from shapeconcepts.model import ShapeConceptModel
@@ -69,8 +71,10 @@ def explain(
     ] = None,
     scenes: Scenes = None,
     intrinsics: Intrinsics = None,
-    depth_scale: DepthScale = 0.001,
+    depth_scale: DepthScale = None,
     mask: Mask = None,
+    units: Units = "m",
+    up: Up = None,
     as_json: Json = False,
 ) -> None:
     """Say why a scan resembles what it resembles.
@@ -84,7 +88,7 @@ def explain(
         check_picture_path(image, "--image")
     if training_data and image is None:
         raise typer.BadParameter("is for the picture: add --image", param_hint="--training-data")
-    reading = read_options(intrinsics, depth_scale, mask)
+    reading = read_options(intrinsics, depth_scale, mask, units, up)
     if os.path.isdir(scan):
         raise typer.BadParameter(f"{scan} is a folder, expected one scan", param_hint="SCAN")
     [file] = scan_files([scan], mask)
@@ -93,6 +97,7 @@ def explain(
     reader = object_reader(learned, reading, scenes, keep_segmented=True)
     found = _choose(reader(file), scan, number)
     assert found.described is not None and found.segmented is not None
+    say_notices([(found.name, notice) for notice in found.notices], 1)
     with _failure_said(found.name, "explained"):
         explanation = learned.explain(found.described)
         recognition = learned.recognise([found.described])

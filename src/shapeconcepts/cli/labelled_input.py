@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import warnings
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import compress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from shapeconcepts.cli.object_reader import Source
     from shapeconcepts.scan import Scan
     from shapeconcepts.segmentation import SegmentedObject
+    from shapeconcepts.sources.reader import ReadOptions
 
 
 @dataclass
@@ -26,6 +29,7 @@ class SegmentedSet:
     name: str
     segmented: list[SegmentedObject] = field(default_factory=list)
     instances: list[str | None] = field(default_factory=list)
+    notices: list[tuple[str, str]] = field(default_factory=list)
     skipped: list[tuple[str, str]] = field(default_factory=list)
 
 
@@ -55,6 +59,7 @@ def segment_set(
                 found.skipped.append((one.name, one.reason))
             else:
                 found.segmented.append(one.segmented)
+                found.notices += [(one.name, notice) for notice in one.notices]
                 found.instances.append(getattr(source, "instance", None))
     if cache_failure:
         say(f"Note: segments are not kept for the next time ({cache_failure})")
@@ -63,7 +68,25 @@ def segment_set(
     return found
 
 
-def read_labelled(paths: Sequence[Path], n_views: int | None) -> tuple[list[Scan], list[tuple[str, str]]]:
+def leave_out_rare_labels(found: SegmentedSet, fewest: int) -> None:
+    """Skip the scans of labels that too few have for an experiment."""
+    counts = Counter(one.label for one in found.segmented)
+    is_kept = [counts[one.label] >= fewest for one in found.segmented]
+    found.skipped += [
+        (
+            one.name,
+            f"only {counts[one.label]} scans have its label {one.label!r}, at least {fewest} are needed",
+        )
+        for one, kept in zip(found.segmented, is_kept, strict=True)
+        if not kept
+    ]
+    found.segmented = list(compress(found.segmented, is_kept))
+    found.instances = list(compress(found.instances, is_kept))
+
+
+def read_labelled(
+    paths: Sequence[Path], n_views: int | None, reading: ReadOptions
+) -> tuple[list[Scan], list[tuple[str, str]]]:
     """Labelled scans in folders, and the files that cannot be used; ends the command where there is none.
 
     With a number of views, each mesh is scanned from so many sides.
@@ -78,7 +101,11 @@ def read_labelled(paths: Sequence[Path], n_views: int | None) -> tuple[list[Scan
             with busy(f"Reading {path}"), warnings.catch_warnings():
                 # What is left out is listed at the end.
                 warnings.simplefilter("ignore")
-                found = load_labelled(path) if n_views is None else load_views(path, n_views)
+                found = (
+                    load_labelled(path, **reading)
+                    if n_views is None
+                    else load_views(path, n_views, **reading)
+                )
         except ScanError as error:
             fail(str(error))
         scans += found

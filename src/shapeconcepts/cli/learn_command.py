@@ -25,6 +25,8 @@ from shapeconcepts.cli.options import (
     Mask,
     Scenes,
     Strict,
+    Units,
+    Up,
     Views,
     VoxelSize,
     check_jobs,
@@ -39,6 +41,7 @@ from shapeconcepts.cli.terminal import (
     is_same_file,
     progress,
     say,
+    say_notices,
     say_skipped,
     tell_json,
     warnings_said,
@@ -61,6 +64,7 @@ class _Collection(NamedTuple):
     previews: list[ScanPreview | None]
     skipped: list[tuple[str, str]]
     undrawn: list[tuple[str, str]]
+    notices: list[tuple[str, str]]
 
 
 def learn(
@@ -128,8 +132,10 @@ def learn(
     views: Views = None,
     scenes: Scenes = None,
     intrinsics: Intrinsics = None,
-    depth_scale: DepthScale = 0.001,
+    depth_scale: DepthScale = None,
     mask: Mask = None,
+    units: Units = "m",
+    up: Up = None,
     jobs: Jobs = -1,
     no_cache: Annotated[
         bool,
@@ -170,7 +176,7 @@ def learn(
                 param_hint="--scale",
             )
         descriptor = "surflet+fpfh+curvature+distance"
-    reading = read_options(intrinsics, depth_scale, mask)
+    reading = read_options(intrinsics, depth_scale, mask, units, up)
     sources: list[ScanFile | SimulatedObject] = [*scan_files(data, mask)] if data else simulated_objects()
     learner = _learner(preset)
     set_from_options(
@@ -208,6 +214,7 @@ def learn(
     if others := other_cuts_in_words(learner):
         say(others)
     say_skipped(collection.skipped, len(collection.described) + len(collection.skipped))
+    say_notices(collection.notices, len(collection.described))
     say_skipped(collection.undrawn, len(collection.described), "Could not draw")
     for path in filter(None, (model, report)):
         say(f"Wrote {path}")
@@ -222,7 +229,7 @@ def _learner(preset: str) -> ShapeConceptModel:
 def _collect(
     sources: list[ScanFile | SimulatedObject], reader: ObjectReader, jobs: int, strict: bool
 ) -> _Collection:
-    collection = _Collection([], [], [], [])
+    collection = _Collection([], [], [], [], [])
     cache_failure = ""
     reading = read_objects(sources, reader, jobs, strict=strict)
     for objects in progress(reading, len(sources), "Segmenting"):
@@ -231,6 +238,7 @@ def _collect(
             if one.described is None:
                 collection.skipped.append((one.name, one.reason))
             else:
+                collection.notices.extend((one.name, notice) for notice in one.notices)
                 collection.described.append(one.described)
                 collection.previews.append(one.preview)
                 if one.drawing_failure:

@@ -11,7 +11,7 @@ from shapeconcepts.cli.terminal import fail
 
 if TYPE_CHECKING:
     from shapeconcepts.model import ShapeConceptModel
-    from shapeconcepts.sources.collection import ReadOptions
+    from shapeconcepts.sources.reader import ReadOptions
 
 
 def one_thread() -> AbstractContextManager[object]:

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from shapeconcepts.segmentation.segment_cache import SegmentCache
     from shapeconcepts.segmentation.segmented_object import SegmentedObject
     from shapeconcepts.segmentation.segmenter import Segmenter
-    from shapeconcepts.sources.collection import ReadOptions, ScanFile
+    from shapeconcepts.sources.collection import ScanFile
+    from shapeconcepts.sources.reader import ReadOptions
 
     Source: TypeAlias = "ScanFile | SimulatedObject | Scan"
 
@@ -47,7 +48,7 @@ class SimulatedObject:
 class ReadObject(NamedTuple):
     """What became of an object: its description and what else was asked for, or why there is none.
 
-    Where there is a description, but no preview, `drawing_failure` says why.
+    Where there is a description, but no preview, `drawing_failure` says why. Notices are those of the scan.
     """
 
     name: str
@@ -57,6 +58,7 @@ class ReadObject(NamedTuple):
     reason: str = ""
     cache_failure: str = ""
     drawing_failure: str = ""
+    notices: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -109,28 +111,14 @@ class ObjectReader:
 
     def _scans(self, source: Source) -> list[Scan]:
         from shapeconcepts.datasets import simulate_scan
-        from shapeconcepts.scan import Scan, ScanError
-        from shapeconcepts.sources.collection import iter_scans
-        from shapeconcepts.sources.mesh_views import views_of_file
-        from shapeconcepts.sources.osd import is_labelled_scene, scene_objects
+        from shapeconcepts.scan import Scan
+        from shapeconcepts.sources.file_objects import objects_of_file
 
         if isinstance(source, Scan):
             return [source]
         if isinstance(source, SimulatedObject):
             return [simulate_scan(source.category, source.index)]
-        views = views_of_file(source, self.n_views) if self.n_views else []
-        if views:
-            return views
-        [scan] = iter_scans([source], **self.reading)
-        if isinstance(scan, ScanError):
-            raise scan
-        is_scene = is_labelled_scene(scan.point_labels) if self.scenes is None else self.scenes
-        if not is_scene:
-            return [scan]
-        objects = scene_objects(scan)
-        if not objects:
-            raise ScanError(f"{source.path}: holds no labelled object, that is no label of 20 or more")
-        return objects
+        return objects_of_file(source, self.scenes, self.n_views, **self.reading)
 
     def _segment(self, scan: Scan) -> ReadObject:
         from shapeconcepts.scan import ScanError, scan_errors
@@ -155,7 +143,8 @@ class ObjectReader:
                 described = describe(segmented, self.descriptor, self.n_occlusions)
         except ScanError as error:
             return ReadObject(name, reason=str(error))
-        finished = ReadObject(name, described, segmented if self.keep_segmented else None)
+        kept = segmented if self.keep_segmented else None
+        finished = ReadObject(name, described, kept, notices=segmented.notices)
         return self._with_preview(finished, segmented) if self.make_preview else finished
 
     def _with_preview(self, finished: ReadObject, segmented: SegmentedObject) -> ReadObject:
@@ -189,6 +178,7 @@ class ObjectReader:
 
     def _key(self, source: Source) -> str | None:
         """Name of a source's entry in the cache; None where it cannot be read."""
+        from shapeconcepts.io.depth_image import DEPTH_SUFFIXES
         from shapeconcepts.io.regular_file import read_regular_file
         from shapeconcepts.scan import Scan, ScanError
 
@@ -202,13 +192,15 @@ class ObjectReader:
         try:
             content = read_regular_file(source.path)
             mask = self.reading.get("mask")
-            if isinstance(mask, Path) and source.path.suffix.lower() == ".png":
+            if isinstance(mask, Path) and source.path.suffix.lower() in (*DEPTH_SUFFIXES, ".npy"):
                 content += read_regular_file(mask / source.inside if mask.is_dir() else mask)
         except ScanError:
             return None
-        camera = (self.reading.get("intrinsics"), self.reading.get("depth_scale"))
-        # The suffix tells how the file is read.
-        parameters = (source.path.suffix.lower(), self.scenes, camera, self.n_views, self._segmentation)
+        options = ("intrinsics", "depth_scale", "units", "up")
+        reading = tuple(self.reading.get(option) for option in options)
+        # The suffix tells how the file is read; a file that was found in a folder may be no scan.
+        way = (source.path.suffix.lower(), source.is_found, self.scenes, self.n_views)
+        parameters = (way, reading, self._segmentation)
         return self.cache.key(content, parameters)
 
 
@@ -221,6 +213,7 @@ def _uncalled(segmented: SegmentedObject, source: Source) -> SegmentedObject:
 def _called(segmented: SegmentedObject, source: Source) -> SegmentedObject:
     """An object of the cache as it is called now: the file may have been moved."""
     from shapeconcepts.sources.collection import ScanFile
+    from shapeconcepts.sources.file_objects import category_folder
     from shapeconcepts.sources.mesh_views import mesh_and_count
     from shapeconcepts.sources.osd import scene_category
 
@@ -230,7 +223,8 @@ def _called(segmented: SegmentedObject, source: Source) -> SegmentedObject:
     if segmented.name == "" or not isinstance(source, ScanFile):
         return replace(segmented, name=source.name, label=source.label)
     stem = source.path.stem
-    return replace(segmented, name=f"{stem}/{segmented.name}", label=scene_category(stem))
+    label = category_folder(source) or scene_category(stem)
+    return replace(segmented, name=f"{stem}/{segmented.name}", label=label)
 
 
 def simulated_objects() -> list[ScanFile | SimulatedObject]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -12,7 +12,8 @@ from shapeconcepts.cli.terminal import fail
 if TYPE_CHECKING:
     from sklearn.base import BaseEstimator
 
-    from shapeconcepts.sources.collection import ReadOptions, ScanFile
+    from shapeconcepts.sources.collection import ScanFile
+    from shapeconcepts.sources.reader import ReadOptions
 
 Intrinsics = Annotated[
     str | None,
@@ -23,14 +24,32 @@ Intrinsics = Annotated[
     ),
 ]
 DepthScale = Annotated[
-    float, typer.Option(metavar="METRES", help="Of depth images: metres per unit of depth.")
+    float | None,
+    typer.Option(
+        metavar="METRES",
+        help="Of depth images: metres per unit of depth.",
+        show_default="0.001 for whole numbers, 1 for others",
+    ),
+]
+Units = Annotated[
+    str,
+    typer.Option(
+        metavar="UNIT",
+        help="Of the coordinates in clouds and meshes: m, cm, mm, in, ft, or metres per unit, as a number.",
+    ),
+]
+Up = Annotated[
+    Literal["x", "y", "z", "-x", "-y", "-z"] | None,
+    typer.Option(
+        help="Of meshes: the axis that points upwards.", show_default="z; of .glb y, as the format says"
+    ),
 ]
 Mask = Annotated[
     Path | None,
     typer.Option(
         exists=True,
         help="Of depth images: an image that is not 0 where the object is, or a folder with one for each "
-        "depth image, of the same name.",
+        "depth image, of the same name and in a sub-folder of the same name.",
     ),
 ]
 
@@ -58,7 +77,8 @@ Scenes = Annotated[
     typer.Option(
         "--scenes/--no-scenes",
         help="Whether point clouds are scenes of several objects, which the field `label` tells apart: 1 to "
-        "9 the table, 20 to 29 the first object, 30 to 39 the second, and so on.",
+        "9 the table, 20 to 29 the first object, 30 to 39 the second, and so on. Objects are labelled by "
+        "the folder that the scene is in, or, as in the data set, by a name like learn33.",
         show_default="where the labels look like that",
     ),
 ]
@@ -119,9 +139,16 @@ def set_from_options(stage: BaseEstimator, options: dict[str, tuple[str, object]
             raise typer.BadParameter(str(error), param_hint=option) from None
 
 
-def read_options(intrinsics: str | None, depth_scale: float, mask: Path | None) -> ReadOptions:
-    """Options for reading depth images, checked."""
+def read_options(
+    intrinsics: str | None,
+    depth_scale: float | None,
+    mask: Path | None,
+    units: str,
+    up: Literal["x", "y", "z", "-x", "-y", "-z"] | None,
+) -> ReadOptions:
+    """Options for reading scans, checked."""
     from shapeconcepts.io.depth_image import check_camera
+    from shapeconcepts.sources.frame import METRES_PER_UNIT, metres_per_unit
 
     camera = None
     if intrinsics is not None:
@@ -138,11 +165,19 @@ def read_options(intrinsics: str | None, depth_scale: float, mask: Path | None) 
         check_camera(None, depth_scale)
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="--depth-scale") from None
-    return {"intrinsics": camera, "depth_scale": depth_scale, "mask": mask}
+    try:
+        scale = metres_per_unit(units if units in METRES_PER_UNIT else float(units))
+    except ValueError:
+        raise typer.BadParameter(
+            f"must be {', '.join(METRES_PER_UNIT)} or metres per unit, > 0, got {units!r}",
+            param_hint="--units",
+        ) from None
+    return {"intrinsics": camera, "depth_scale": depth_scale, "mask": mask, "units": scale, "up": up}
 
 
 def scan_files(paths: list[Path], mask: Path | None) -> list[ScanFile]:
     """Files among and below the paths; ends the command where there is nothing to read."""
+    from shapeconcepts.io.depth_image import DEPTH_SUFFIXES
     from shapeconcepts.scan import ScanError
     from shapeconcepts.sources.collection import find_scan_files
 
@@ -150,8 +185,10 @@ def scan_files(paths: list[Path], mask: Path | None) -> list[ScanFile]:
         files = find_scan_files(paths)
     except ScanError as error:
         fail(str(error))
-    if mask is not None and not any(file.path.suffix.lower() == ".png" for file in files):
+    suffixes = (*DEPTH_SUFFIXES, ".npy")
+    if mask is not None and not any(file.path.suffix.lower() in suffixes for file in files):
         raise typer.BadParameter(
-            f"is for depth images (.png), got {mask}, but there is none among the scans", param_hint="--mask"
+            f"is for depth images ({' '.join(suffixes)}), got {mask}, but there is none among the scans",
+            param_hint="--mask",
         )
     return files

@@ -21,12 +21,14 @@ from shapeconcepts.cli.options import (
     ModelFile,
     Scenes,
     Strict,
+    Units,
+    Up,
     check_jobs,
     read_options,
     scan_files,
 )
 from shapeconcepts.cli.response_formats import Response, ResponseWriter, check_parquet, response_writer
-from shapeconcepts.cli.terminal import check_writable, fail, progress, say, say_skipped
+from shapeconcepts.cli.terminal import check_writable, fail, progress, say, say_notices, say_skipped
 
 if TYPE_CHECKING:
     from shapeconcepts.model import ShapeConceptModel
@@ -60,8 +62,10 @@ def respond(
     granularity: Granularity = None,
     scenes: Scenes = None,
     intrinsics: Intrinsics = None,
-    depth_scale: DepthScale = 0.001,
+    depth_scale: DepthScale = None,
     mask: Mask = None,
+    units: Units = "m",
+    up: Up = None,
     jobs: Jobs = -1,
     strict: Strict = False,
 ) -> None:
@@ -79,7 +83,7 @@ def respond(
         check_writable(output, "--output")
     if form == "parquet":
         check_parquet(output)
-    reading = read_options(intrinsics, depth_scale, mask)
+    reading = read_options(intrinsics, depth_scale, mask, units, up)
     files = scan_files(scans, mask)
     learned = read_model(model)
     if granularity is not None:
@@ -90,11 +94,13 @@ def respond(
     reader = object_reader(learned, reading, scenes)
     writer = response_writer(form, learned, output)
     skipped: list[tuple[str, str]] = []
+    notices: list[tuple[str, str]] = []
     count = 0
     read = read_objects(files, reader, jobs, strict=strict)
     found = _usable(progress(read, len(files), "Reading scans", show=not writer.streams), skipped, strict)
     with one_thread():
         while chunk := list(islice(found, _AT_ONCE)):
+            notices += [(one.name, notice) for one in chunk for notice in one.notices]
             responses = _responses_or_reasons(learned, chunk, skipped)
             writer.write(responses)
             count += len(responses)
@@ -102,6 +108,7 @@ def respond(
         fail(skipped[0][1])
     _finish(writer, output)
     say_skipped(skipped, count + len(skipped))
+    say_notices(notices, count)
     if count == 0:
         raise typer.Exit(1)
 

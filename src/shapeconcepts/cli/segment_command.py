@@ -17,7 +17,10 @@ from shapeconcepts.cli.options import (
     Jobs,
     Json,
     Mask,
+    Scenes,
     Strict,
+    Units,
+    Up,
     VoxelSize,
     check_jobs,
     read_options,
@@ -25,13 +28,15 @@ from shapeconcepts.cli.options import (
     set_from_options,
 )
 from shapeconcepts.cli.pictures import check_picture_path, save_picture
-from shapeconcepts.cli.terminal import fail, print_table, progress, say_skipped, tell_json
+from shapeconcepts.cli.terminal import fail, print_table, progress, say_notices, say_skipped, tell_json
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
+    from shapeconcepts.scan import Scan
     from shapeconcepts.segmentation import SegmentedObject, Segmenter
-    from shapeconcepts.sources.collection import ReadOptions, ScanFile
+    from shapeconcepts.sources.collection import ScanFile
+    from shapeconcepts.sources.reader import ReadOptions
 
 
 class _Result(NamedTuple):
@@ -41,6 +46,7 @@ class _Result(NamedTuple):
     summary: dict[str, Any] | None = None
     picture: Image | None = None
     reason: str = ""
+    notices: tuple[str, ...] = ()
 
 
 def segment(
@@ -62,9 +68,12 @@ def segment(
     ] = None,
     as_json: Json = False,
     voxel_size: VoxelSize = None,
+    scenes: Scenes = None,
     intrinsics: Intrinsics = None,
-    depth_scale: DepthScale = 0.001,
+    depth_scale: DepthScale = None,
     mask: Mask = None,
+    units: Units = "m",
+    up: Up = None,
     seed_size: Annotated[
         float | None,
         typer.Option(
@@ -97,7 +106,7 @@ def segment(
 
     if image is not None:
         check_picture_path(image, "--image")
-    reading = read_options(intrinsics, depth_scale, mask)
+    reading = read_options(intrinsics, depth_scale, mask, units, up)
     check_jobs(jobs)
     files = scan_files(scans, mask)
 
@@ -115,11 +124,13 @@ def segment(
     failed = False
     # Running jobs are not cancelled, which can hang joblib: no more are started, and those that run finish.
     wanted = takewhile(lambda file: not (strict and failed), files)
-    work = partial(_segment_file, reading=reading, segmenter=segmenter, picture_size=picture_size)
+    work = partial(
+        _segment_file, reading=reading, scenes=scenes, segmenter=segmenter, picture_size=picture_size
+    )
     working = map_in_order(work, wanted, useful_jobs(jobs, len(files)))
-    for result in progress(working, len(files), "Segmenting"):
-        failed = failed or result.summary is None
-        results.append(result)
+    for found in progress(working, len(files), "Segmenting"):
+        failed = failed or any(result.summary is None for result in found)
+        results += found
 
     summaries = [result.summary for result in results if result.summary is not None]
     skipped = [result for result in results if result.summary is None]
@@ -134,36 +145,50 @@ def segment(
     elif summaries:
         titles = ("scan", "points", "voxels", "segments", "sizes", "neighbours")
         print_table(titles, [_row(summary) for summary in summaries])
-    say_skipped([(result.name, result.reason) for result in skipped], len(files))
-    say_skipped([(result.name, result.reason) for result in undrawn], len(files), "Could not draw")
+    say_skipped([(result.name, result.reason) for result in skipped], len(results))
+    say_notices([(result.name, notice) for result in results for notice in result.notices], len(summaries))
+    say_skipped([(result.name, result.reason) for result in undrawn], len(summaries), "Could not draw")
     if not summaries or not saved:
         raise typer.Exit(1)
 
 
 def _segment_file(
-    file: ScanFile, reading: ReadOptions, segmenter: Segmenter, picture_size: int | None
-) -> _Result:
-    from shapeconcepts.report import draw_segments
+    file: ScanFile,
+    reading: ReadOptions,
+    scenes: bool | None,
+    segmenter: Segmenter,
+    picture_size: int | None,
+) -> list[_Result]:
+    """What the objects in a file give."""
     from shapeconcepts.scan import ScanError, scan_errors
-    from shapeconcepts.sources.collection import iter_scans
+    from shapeconcepts.sources.file_objects import objects_of_file
 
-    summary = None
     try:
         with scan_errors(file.name, "read"):
-            [scan] = iter_scans([file], **reading)
-        if isinstance(scan, ScanError):
-            raise scan
-        with scan_errors(file.name, "segmented"):
-            item = segmenter.segment(scan)
-            found = _summary(item)
-            # A number that JSON does not know must not cost the document about all others.
-            json.dumps(found, allow_nan=False)
-            summary = found
-        with scan_errors(file.name, "drawn"):
-            picture = None if picture_size is None else draw_segments(item, size=picture_size)
+            objects = objects_of_file(file, scenes, **reading)
     except ScanError as error:
-        return _Result(file.name, summary, reason=str(error))
-    return _Result(file.name, summary, picture)
+        return [_Result(file.name, reason=str(error))]
+    return [_segment_scan(scan, segmenter, picture_size) for scan in objects]
+
+
+def _segment_scan(scan: Scan, segmenter: Segmenter, picture_size: int | None) -> _Result:
+    from shapeconcepts.report import draw_segments
+    from shapeconcepts.scan import ScanError, scan_errors
+
+    result = _Result(scan.name)
+    try:
+        with scan_errors(scan.name, "segmented"):
+            item = segmenter.segment(scan)
+            summary = _summary(item)
+            # A number that JSON does not know must not cost the document about all others.
+            json.dumps(summary, allow_nan=False)
+            result = result._replace(summary=summary, notices=item.notices)
+        with scan_errors(scan.name, "drawn"):
+            return result._replace(
+                picture=None if picture_size is None else draw_segments(item, size=picture_size)
+            )
+    except ScanError as error:
+        return result._replace(reason=str(error))
 
 
 def _summary(item: SegmentedObject) -> dict[str, Any]:

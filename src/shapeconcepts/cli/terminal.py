@@ -63,6 +63,14 @@ def say_skipped(skipped: Sequence[tuple[str, str]], n_scans: int, what: str = "S
             say(f"  {reason if printable(name) in reason else f'{name}: {reason}'}")
 
 
+def say_notices(notices: Sequence[tuple[str, str]], n_scans: int) -> None:
+    """What should be looked at in scans, by name and notice; see `Scan.notices`."""
+    from shapeconcepts.sources.notices import in_few_words
+
+    for sentence in in_few_words(notices, n_scans):
+        say(f"Note: {sentence}")
+
+
 def fail(message: str) -> NoReturn:
     """End with exit code 1 and a message."""
     say(f"Error: {message}")

@@ -30,6 +30,33 @@ def centred_rows(points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 @kernel
+def first_of_equals(points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether no earlier point is exactly equal, (n,) bool, of finite points (n, 3)."""
+    n = len(points)
+    size = 16
+    while size < 2 * n:
+        size *= 2
+    table = np.full(size, -1, np.int64)
+    # 0.0 and -0.0 are equal, but for their bits.
+    bits = (points + 0.0).view(np.uint64)
+    first = np.ones(n, np.bool_)
+    for i in range(n):
+        place = bits[i, 0] * np.uint64(0x9E3779B97F4A7C15)
+        place = (place ^ (place >> np.uint64(29)) ^ bits[i, 1]) * np.uint64(0xBF58476D1CE4E5B9)
+        place = (place ^ (place >> np.uint64(32)) ^ bits[i, 2]) * np.uint64(0x94D049BB133111EB)
+        slot = np.int64((place ^ (place >> np.uint64(31))) & np.uint64(size - 1))
+        while table[slot] >= 0:
+            j = table[slot]
+            if bits[i, 0] == bits[j, 0] and bits[i, 1] == bits[j, 1] and bits[i, 2] == bits[j, 2]:
+                first[i] = False
+                break
+            slot = (slot + 1) & (size - 1)
+        if first[i]:
+            table[slot] = i
+    return first
+
+
+@kernel
 def sorted_by_cell(
     points: NDArray[np.float64],
     origin: tuple[float, float, float],

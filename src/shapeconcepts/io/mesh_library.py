@@ -36,13 +36,8 @@ def read_stl(data: bytes) -> Mesh:
 
 
 def read_glb(data: bytes) -> Mesh:
-    """Mesh of all objects of the scene in a binary glTF file, turned so that z is up (in glTF it is y).
-
-    ScanError says what is wrong with it.
-    """
-    mesh = _load(checked_glb(data), "glb", 1)
-    x, y, z = mesh.vertices.T
-    return Mesh(np.column_stack([x, -z, y]), mesh.faces)
+    """Mesh of all objects of the scene in a binary glTF file, y upwards; ScanError says what is wrong."""
+    return _load(checked_glb(data), "glb", 1)
 
 
 def _load(data: bytes, file_type: str, n_faces: int) -> Mesh:

@@ -10,67 +10,79 @@ import numpy as np
 from numpy.lib import format as npy_format
 from numpy.typing import NDArray
 
-from shapeconcepts.io.cloud import LABEL_NAMES, Cloud
+from shapeconcepts.io.cloud import LABEL_NAMES, VIEWPOINT_NAMES, Cloud, labels_or_notice, value_or_notice
 from shapeconcepts.io.unpacking import check_unpacked
-from shapeconcepts.io.viewpoint import camera_frame_viewpoint, declared_viewpoint
-from shapeconcepts.scan import ScanError, whole_numbers
+from shapeconcepts.io.viewpoint import common_position, unless_default
+from shapeconcepts.scan import ScanError
 
 # Members are unpacked piece by piece, straight to their place.
 PIECE = 2**20
 LONGEST_HEADER = 2**17
+POINTS_NAMES = ("points", "xyz", "pc", "pcd", "point_cloud", "pointcloud", "cloud", "vertices", "pos")
+# Coordinates with normals, colours, intensities and labels have no more columns.
+MOST_COLUMNS = 16
 
 
 def read_npy(data: bytes) -> Cloud:
     """Cloud from an array of shape (n, 3 or more) or (h, w, 3 or more); ScanError says what is wrong."""
     array = _array(data)
-    points, labels = _points(array), _label_field(array)
-    return Cloud(points, camera_frame_viewpoint(points), None if labels is None else whole_numbers(labels))
+    labels, notices = labels_or_notice(lambda: _label_field(array))
+    return Cloud(_points(array), _viewpoint_fields(array), labels, notices)
+
+
+def depth_of_npy(data: bytes) -> NDArray | None:
+    """The depths in an array of shape (h, w) or (h, w, 1); None where it holds something else."""
+    array = _array(data)
+    if array.dtype.names or not _is_image(array.shape):
+        return None
+    return array.reshape(array.shape[:2])
 
 
 def read_npz(data: bytes) -> Cloud:
     """Cloud from an archive with the array `points`, optionally `viewpoint` and `labels`.
 
-    The only array of an archive is taken for the points whatever its name.
-    ScanError says what is wrong with it. A given viewpoint is believed where it is outside of the cloud.
+    Points may also be called as in `POINTS_NAMES`; the only array of an archive is taken for the points
+    whatever its name. ScanError says what is wrong with it.
     """
     try:
         archive = zipfile.ZipFile(BytesIO(data))
     except Exception as error:  # zipfile raises struct.error, ValueError and others beside BadZipFile
         raise ScanError(f"is not an NPZ archive ({error})") from None
     names = archive.namelist()
-    members = {
-        name: f"{name}.npy" for name in ("points", "viewpoint", *LABEL_NAMES) if f"{name}.npy" in names
-    }
-    if not members and len(names) == 1:
-        members["points"] = names[0]
-    if "points" not in members:
+    points_name = next((name for name in POINTS_NAMES if f"{name}.npy" in names), None)
+    others = {name: f"{name}.npy" for name in ("viewpoint", *LABEL_NAMES) if f"{name}.npy" in names}
+    if points_name is None and (others or len(names) != 1):
         raise ScanError(f"has no array points, only {', '.join(names[:10]) or 'nothing'}")
-    n_bytes = sum(archive.getinfo(name).file_size for name in members.values())
+    member = names[0] if points_name is None else f"{points_name}.npy"
+    n_bytes = sum(archive.getinfo(name).file_size for name in (member, *others.values()))
     check_unpacked(n_bytes, len(data))
-    arrays = {name: _array(_member(archive, member)) for name, member in members.items()}
-    array = arrays.pop("points")
+    array = _array(_member(archive, member))
     shape = array.shape if array.dtype.names else array.shape[:-1]
     check_unpacked(n_bytes, len(data), prod(shape))
     points = _points(array)
-    label_field = None if arrays.keys() & set(LABEL_NAMES) else _label_field(array)
-    if label_field is not None:
-        label_field = whole_numbers(label_field)
-    # It can fill the memory.
-    del array
-    if "viewpoint" in arrays:
-        position = arrays["viewpoint"]
+
+    def declared() -> NDArray[np.float64] | None:
+        if "viewpoint" not in others:
+            return _viewpoint_fields(array)
+        position = _array(_member(archive, others["viewpoint"]))
         if position.shape != (3,) or position.dtype.names:
             raise ScanError(
                 f"the array viewpoint must be 3 numbers, got {position.dtype} of shape {position.shape}"
             )
-        viewpoint = declared_viewpoint(points, position.astype(np.float64))
-    else:
-        viewpoint = camera_frame_viewpoint(points)
-    labels = next((arrays[name] for name in LABEL_NAMES if name in arrays), None)
-    if labels is not None and labels.shape not in (shape, (len(points),)):
-        raise ScanError(f"the labels must have the shape {shape}, got {labels.shape}")
-    labels = label_field if labels is None else labels.reshape(-1)
-    return Cloud(points, viewpoint, None if labels is None else whole_numbers(labels))
+        return position.astype(np.float64)
+
+    def labels_of_points() -> NDArray | None:
+        name = next((name for name in LABEL_NAMES if name in others), None)
+        if name is None:
+            return _label_field(array)
+        labels = _array(_member(archive, others[name]))
+        if labels.shape not in (shape, (len(points),)):
+            raise ScanError(f"the labels must have the shape {shape}, got {labels.shape}")
+        return labels.reshape(-1)
+
+    viewpoint, of_viewpoint = value_or_notice("a viewpoint", declared)
+    labels, of_labels = labels_or_notice(labels_of_points)
+    return Cloud(points, viewpoint, labels, of_viewpoint + of_labels)
 
 
 def _array(data: bytes | bytearray) -> NDArray:
@@ -106,22 +118,46 @@ def _points(array: NDArray) -> NDArray[np.float64]:
         if array.dtype.itemsize < 3:
             raise ScanError(f"holds the fields of {array.size} points over each other")
         points = np.empty((array.size, 3))
+        capitals = not set("xyz") & set(array.dtype.names)
         with np.errstate(over="ignore"):
-            for column, axis in enumerate("xyz"):
+            for column, axis in enumerate("XYZ" if capitals else "xyz"):
                 points[:, column] = _field(array, axis)
         return points
-    if array.ndim == 2 and array.shape[0] == 3 < array.shape[1]:
-        raise ScanError(f"holds an array of shape {array.shape}, (n, 3) is expected, got (3, n)")
-    if array.ndim not in (2, 3) or array.shape[-1] < 3:
-        raise ScanError(f"holds an array of shape {array.shape}, (n, 3) is expected")
+    _check_shape(array)
     array = array.reshape(-1, array.shape[-1])
     with np.errstate(over="ignore"):
         return np.ascontiguousarray(array[:, :3], dtype=np.float64)
 
 
+def _check_shape(array: NDArray) -> None:
+    """Raise ScanError unless the last axis holds coordinates, and perhaps more."""
+    shape = array.shape
+    what = f"holds an array of shape {shape}, (n, 3) is expected"
+    if len(shape) in (2, 3) and shape[0] == 3 < shape[-1] and (len(shape) == 2 or shape[2] > MOST_COLUMNS):
+        raise ScanError(f"{what}, got {'(3, n)' if len(shape) == 2 else '(3, h, w)'}")
+    if _is_image(shape):
+        raise ScanError(f"{what}; to be read as a depth image it needs intrinsics (fx, fy, cx, cy)")
+    if len(shape) not in (2, 3) or not 3 <= shape[-1] <= MOST_COLUMNS:
+        raise ScanError(what)
+    if len(shape) == 3 and array.dtype.itemsize == 1:
+        raise ScanError(f"holds an image of {array.dtype}, which are colours or flags and no coordinates")
+
+
+def _is_image(shape: tuple[int, ...]) -> bool:
+    """Whether an array of this shape has one number for each pixel."""
+    is_flat = len(shape) == 2 or (len(shape) == 3 and shape[2] == 1)
+    return is_flat and min(shape[:2]) > MOST_COLUMNS
+
+
 def _label_field(array: NDArray) -> NDArray | None:
     name = next((name for name in LABEL_NAMES if name in (array.dtype.names or ())), None)
     return None if name is None else _field(array, name)
+
+
+def _viewpoint_fields(array: NDArray) -> NDArray[np.float64] | None:
+    if not set(VIEWPOINT_NAMES) <= set(array.dtype.names or ()):
+        return None
+    return unless_default(common_position(_field(array, name) for name in VIEWPOINT_NAMES))
 
 
 def _field(array: NDArray, name: str) -> NDArray:

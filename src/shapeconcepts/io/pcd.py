@@ -6,16 +6,27 @@ https://pointclouds.org/documentation/tutorials/pcd_file_format.html
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable
 from typing import NamedTuple
 
 import lzf
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.io.cloud import LABEL_NAMES, Cloud, decoded_lines, number_table
+from shapeconcepts.io.cloud import (
+    LABEL_NAMES,
+    VIEWPOINT_NAMES,
+    Cloud,
+    decoded_lines,
+    labels_or_notice,
+    line_end_of,
+    number_table,
+    value_or_notice,
+    without_mark,
+)
 from shapeconcepts.io.unpacking import check_unpacked
-from shapeconcepts.io.viewpoint import camera_frame_viewpoint, declared_viewpoint
-from shapeconcepts.scan import ScanError, whole_numbers
+from shapeconcepts.io.viewpoint import common_position, unless_default
+from shapeconcepts.scan import ScanError
 
 FORMATS = {
     f"{kind}{size}": np.dtype(f"<{code}{size}")
@@ -40,58 +51,67 @@ class _Header(NamedTuple):
     n_points: int
     n_columns: int
     point_size: int
-    viewpoint: NDArray[np.float64]
+    viewpoint: list[str]
     encoding: str
 
 
 def read_pcd(data: bytes) -> Cloud:
     """Cloud from the bytes of a PCD file; ScanError says what is wrong with it."""
+    data = without_mark(data)
     header, body = _read_header(data)
     for axis in "xyz":
         if axis not in header.fields:
             raise ScanError(f"has no field {axis}, only {' '.join([*header.fields][:10])}")
-    label = next((name for name in LABEL_NAMES if name in header.fields), None)
-    names = [*"xyz"] if label is None else [*"xyz", label]
-    for name in names:
-        if header.fields[name].n_values != 1:
-            raise ScanError(f"the field {name} must have COUNT 1, got {header.fields[name].n_values}")
-
-    points, labels = _content(data, body, header, names)
-    # (0, 0, 0) is what writers put there when they do not know; it needs the evidence of the cloud itself.
-    declared = header.viewpoint.any()
-    return Cloud(
-        points,
-        declared_viewpoint(points, header.viewpoint) if declared else camera_frame_viewpoint(points),
-        labels,
-    )
-
-
-def _content(
-    data: bytes, body: int, header: _Header, names: list[str]
-) -> tuple[NDArray[np.float64], NDArray[np.int64] | None]:
-    """Points, and labels where they are among the names; what is unpacked is gone afterwards."""
-    if header.encoding == "ascii":
-        columns = _ascii_columns(data[body:], header, names)
-    elif header.encoding == "binary":
-        columns = _binary_columns(data, body, header, names)
-    else:
-        columns = _compressed_columns(data, body, header, names)
+        if (count := header.fields[axis].n_values) != 1:
+            raise ScanError(f"the field {axis} must have COUNT 1, got {count}")
+    columns = _columns(data, body, header)
+    coordinates = columns([*"xyz"])
     points = np.empty((header.n_points, 3))
-    for axis, name in enumerate("xyz"):
-        points[:, axis] = columns[name]
-    return points, whole_numbers(columns[names[3]]) if len(names) > 3 else None
+    for column, values in enumerate(coordinates):
+        points[:, column] = values
+    label = next((name for name in LABEL_NAMES if name in header.fields), None)
+    labels, of_labels = labels_or_notice(lambda: None if label is None else columns([label])[0])
+    declared, of_viewpoint = value_or_notice(
+        "a viewpoint", lambda: unless_default(_viewpoint(header.viewpoint))
+    )
+    if declared is None and header.fields.keys() >= set(VIEWPOINT_NAMES):
+        declared = unless_default(common_position(columns([*VIEWPOINT_NAMES])))
+    return Cloud(points, declared, labels, of_viewpoint + of_labels)
+
+
+def _columns(data: bytes, body: int, header: _Header) -> Callable[[list[str]], list[NDArray]]:
+    """What gives the values of fields by name, of which each has one."""
+    if header.encoding == "ascii":
+        lines = _ascii_lines(data[body:], header)
+        return lambda names: _ascii_columns(lines, header, names)
+    if header.encoding == "binary":
+        return lambda names: _binary_columns(data, body, header, names)
+    content = _unpacked(data, body, header)
+    return lambda names: [
+        np.frombuffer(content, field.dtype, header.n_points, field.offset * header.n_points)
+        for field in _single(header, names)
+    ]
+
+
+def _single(header: _Header, names: list[str]) -> list[_Field]:
+    fields = [header.fields[name] for name in names]
+    for name, field in zip(names, fields, strict=True):
+        if field.n_values != 1:
+            raise ScanError(f"the field {name} must have COUNT 1, got {field.n_values}")
+    return fields
 
 
 def _read_header(data: bytes) -> tuple[_Header, int]:
     """The header, and where the data begins."""
     entries: dict[str, list[str]] = {}
     position = 0
+    line_end = line_end_of(data[:LONGEST_HEADER])
     while "DATA" not in entries:
-        end = data.find(b"\n", position, LONGEST_HEADER)
+        end = data.find(line_end, position, LONGEST_HEADER)
         line = data[position : max(end, position)].strip()
         if end < 0 or not (line.isascii() or line.startswith(b"#")):
             raise ScanError("is not a PCD file: its header has no DATA line")
-        position = end + 1
+        position = end + len(line_end)
         if line and not line.startswith(b"#"):
             key, *values = (word.decode("ascii") for word in line.split())
             key = key.upper()
@@ -116,8 +136,9 @@ def _checked_header(entries: dict[str, list[str]]) -> _Header:
         if kind.upper() + size not in FORMATS:
             raise ScanError(f"the field {name} has the unknown TYPE {kind} with SIZE {size}")
         dtype, count = FORMATS[kind.upper() + size], _number("COUNT", count_text)
-        if count < 1:
-            raise ScanError(f"the field {name} has COUNT {count}, expected 1 or more")
+        # Some programs write X, Y and Z.
+        if name in ("X", "Y", "Z") and name.lower() not in names:
+            name = name.lower()
         # PCL calls every piece of padding "_".
         if name in fields and name != "_":
             raise ScanError(f"the header names the field {name} twice")
@@ -128,7 +149,7 @@ def _checked_header(entries: dict[str, list[str]]) -> _Header:
     encoding = " ".join(entries["DATA"]).lower()
     if encoding not in ENCODINGS:
         raise ScanError(f"DATA must be one of {', '.join(ENCODINGS)}, got {encoding!r}")
-    viewpoint = _viewpoint(entries.get("VIEWPOINT", ["0", "0", "0"]))
+    viewpoint = entries.get("VIEWPOINT", ["0", "0", "0"])
     return _Header(fields, _number_of_points(entries), column, offset, viewpoint, encoding)
 
 
@@ -166,28 +187,26 @@ def _viewpoint(values: list[str]) -> NDArray[np.float64]:
     return position
 
 
-def _ascii_columns(body: bytes, header: _Header, names: list[str]) -> dict[str, NDArray]:
+def _ascii_lines(body: bytes, header: _Header) -> list[str]:
     lines = [line for line in decoded_lines(body) if line.strip()]
     if len(lines) < header.n_points:
         raise ScanError(
             f"is truncated: the header promises {header.n_points} points, the file has {len(lines)}"
         )
-    table = number_table(lines[: header.n_points])
-    if table.shape[1] != header.n_columns:
-        raise ScanError(f"has {table.shape[1]} columns, the header describes {header.n_columns}")
-    columns = {}
-    for name in names:
-        field = header.fields[name]
-        column = table[:, field.column]
-        if field.dtype.kind == "f":
-            # The header gives the precision, so that all three encodings of a cloud read the same.
-            with np.errstate(over="ignore"):
-                column = column.astype(field.dtype)
-        columns[name] = column
-    return columns
+    lines = lines[: header.n_points]
+    for line in (lines[:1], lines[-1:]):
+        if line and (n_columns := len(line[0].split())) != header.n_columns:
+            raise ScanError(f"has {n_columns} columns, the header describes {header.n_columns}")
+    return lines
 
 
-def _binary_columns(data: bytes, body: int, header: _Header, names: list[str]) -> dict[str, NDArray]:
+def _ascii_columns(lines: list[str], header: _Header, names: list[str]) -> list[NDArray]:
+    """All digits that are there, whatever SIZE says."""
+    columns = [field.column for field in _single(header, names)]
+    return list(number_table(lines, columns).T)
+
+
+def _binary_columns(data: bytes, body: int, header: _Header, names: list[str]) -> list[NDArray]:
     if header.n_points == 0:
         raise ScanError("holds no points")
     promised, held = header.n_points * header.point_size, len(data) - body
@@ -196,15 +215,14 @@ def _binary_columns(data: bytes, body: int, header: _Header, names: list[str]) -
             f"is truncated: the header promises {header.n_points} points of {header.point_size} bytes, "
             f"the file has {held} bytes of data"
         )
-    fields = [header.fields[name] for name in names]
-    return {
-        name: np.ndarray(header.n_points, field.dtype, data, body + field.offset, header.point_size)
-        for name, field in zip(names, fields, strict=True)
-    }
+    return [
+        np.ndarray(header.n_points, field.dtype, data, body + field.offset, header.point_size)
+        for field in _single(header, names)
+    ]
 
 
-def _compressed_columns(data: bytes, body: int, header: _Header, names: list[str]) -> dict[str, NDArray]:
-    """The block holds one field after the other, each for all points."""
+def _unpacked(data: bytes, body: int, header: _Header) -> bytes:
+    """The compressed block: one field after the other, each for all points."""
     if len(data) - body < 8:
         raise ScanError("is truncated: the sizes of the compressed block are missing")
     compressed_size, size = struct.unpack_from("<II", data, body)
@@ -225,8 +243,5 @@ def _compressed_columns(data: bytes, body: int, header: _Header, names: list[str
         content = None
     if content is None or len(content) != size:
         raise ScanError(f"the compressed block is damaged, it does not unpack to {size} bytes")
-    fields = [header.fields[name] for name in names]
-    return {
-        name: np.frombuffer(content, field.dtype, header.n_points, field.offset * header.n_points)
-        for name, field in zip(names, fields, strict=True)
-    }
+    unpacked: bytes = content
+    return unpacked

@@ -1,42 +1,79 @@
-"""Reads tables of numbers as text: XYZ, TXT and CSV."""
+"""Reads tables of numbers as text: XYZ, TXT, CSV, PTS and ASC."""
 
 from __future__ import annotations
 
 import re
+from typing import NamedTuple
 
 import numpy as np
 
-from shapeconcepts.io.cloud import LABEL_NAMES, Cloud, decoded_lines, number_table
-from shapeconcepts.io.viewpoint import camera_frame_viewpoint
-from shapeconcepts.scan import ScanError, whole_numbers
+from shapeconcepts.io.cloud import LABEL_NAMES, Cloud, decoded_lines, labels_or_notice, number_table
+from shapeconcepts.io.viewpoint import viewpoint_in_comments
+from shapeconcepts.scan import ScanError
 
 COMMENTS = ("#", "//", "%")
+# So many lines that number the points are no chance.
+_FEWEST_COUNTED = 10
+_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
+
+
+class _Table(NamedTuple):
+    """Lines of points, what stands above them, and how many of them that promises."""
+
+    rows: list[str]
+    comments: list[str]
+    titles: list[str]
+    promised: int | None
+
+
+class _Columns(NamedTuple):
+    """Names of columns; where the last one may stand for several, or none, rows differ in length."""
+
+    names: list[str]
+    is_open: bool
 
 
 def read_text_table(data: bytes) -> Cloud:
     """Cloud from a text file with one point a line; ScanError says what is wrong with it.
 
-    Columns are separated by blanks, commas or semicolons. Before the first point may stand comments (``#``,
-    ``//``, ``%``), one line of column names, and one line with the number of points. Where x, y and z are
-    among the names, these columns count, and `label`; otherwise x, y and z are the first three columns.
+    Columns are separated by blanks, commas or semicolons; between blanks and semicolons, a comma is a decimal
+    point. Before the first point may stand comments (``#``, ``//``, ``%``), lines without any number, such as
+    a title and the names of the columns, and one line with the number of points. Where x, y and z are among
+    the names, these columns count, and `label`; otherwise x, y and z are the first three columns. A comment
+    may tell the sensor's position: ``# viewpoint 0.1 0 0.5``.
     """
-    lines = [line.strip() for line in decoded_lines(data) if line.strip()]
-    header: list[str] = []
+    table = _table([line.strip() for line in decoded_lines(data) if line.strip()])
+    rows, delimiter = _with_decimal_points(table.rows)
+    n_columns = len(rows[0].split(delimiter))
+    if n_columns < 3:
+        raise ScanError(f"has {n_columns} columns, x, y and z are expected")
+    names, is_open = _columns([*table.comments, *table.titles], n_columns)
+    if table.titles and not names:
+        _refuse_other_names(table.titles[-1], delimiter, n_columns)
+    points = number_table(rows, [names.index(axis) for axis in "xyz"] if names else [0, 1, 2], delimiter)
+    if not is_open and len(rows[-1].split(delimiter)) != n_columns:
+        raise ScanError(f"is truncated: the first point has {n_columns} columns, the last one another number")
+    if not names:
+        _refuse_counted(points[:, 0])
+    label = next((names.index(name) for name in LABEL_NAMES if name in names), None)
+    labels, notices = labels_or_notice(
+        lambda: None if label is None else number_table(rows, [label], delimiter).ravel()
+    )
+    return Cloud(np.ascontiguousarray(points), viewpoint_in_comments(table.comments), labels, notices)
+
+
+def _table(lines: list[str]) -> _Table:
+    comments: list[str] = []
+    titles: list[str] = []
     promised = None
-    has_names = False
-    title = ""
     first = 0
     while first < len(lines):
         line = lines[first]
-        if line.startswith(COMMENTS):
-            header.append(line.lstrip("#/% "))
-            first += 1
-            continue
         words = re.split(r"[\s,;]+", line)
-        if not has_names and not any(_is_number(word) for word in words):
-            header.append(line)
-            has_names = True
-            title = line
+        if line.startswith(COMMENTS):
+            comments.append(line.lstrip("#/% "))
+        elif not any(_is_number(word) for word in words):
+            titles.append(line)
         elif promised is None and len(words) == 1 and words[0].isdecimal():
             promised = int(words[0][:18])
         else:
@@ -47,23 +84,18 @@ def read_text_table(data: bytes) -> Cloud:
         raise ScanError("holds no points")
     if promised is not None and promised > len(rows):
         raise ScanError(f"is truncated: it promises {promised} points, it has {len(rows)} lines of them")
+    return _Table(rows, comments, titles, promised)
 
-    delimiter = next((mark for mark in (";", ",") if mark in rows[0]), None)
-    n_columns = len(rows[0].split(delimiter))
-    if n_columns < 3:
-        raise ScanError(f"has {n_columns} columns, x, y and z are expected")
-    names = _column_names(header, n_columns)
-    if has_names and not names:
-        _refuse_other_names(title, delimiter, n_columns)
-    columns = [names.index(axis) for axis in "xyz"] if names else [0, 1, 2]
-    label = next((names.index(name) for name in LABEL_NAMES if name in names), None)
-    table = number_table(rows, columns if label is None else [*columns, label], delimiter)
-    if len(rows[-1].split(delimiter)) != n_columns:
-        raise ScanError(f"is truncated: the first point has {n_columns} columns, the last one another number")
-    points = np.ascontiguousarray(table[:, :3])
-    return Cloud(
-        points, camera_frame_viewpoint(points), None if label is None else whole_numbers(table[:, 3])
-    )
+
+def _with_decimal_points(rows: list[str]) -> tuple[list[str], str | None]:
+    """Rows with points for decimal commas, and what stands between columns; None for blanks."""
+    first = rows[0]
+    if ";" in first:
+        return [row.replace(",", ".") for row in rows] if "," in first else rows, ";"
+    words = first.split()
+    if len(words) >= 3 and any(map(_DECIMAL_COMMA.fullmatch, words)):
+        return [row.replace(",", ".") for row in rows], None
+    return rows, "," if "," in first else None
 
 
 def _is_number(word: str) -> bool:
@@ -74,13 +106,26 @@ def _is_number(word: str) -> bool:
     return True
 
 
-def _column_names(header: list[str], n_columns: int) -> list[str]:
-    """Names of the columns in lower case, from the last line that can be such; empty where there is none."""
+def _columns(header: list[str], n_columns: int) -> _Columns:
+    """Names of the columns in lower case, from the last line that can be such; none where there is none."""
     for line in reversed(header):
         names = [name.strip("\"'") for name in re.split(r"[\s,;]+", line.lower().strip())]
-        if len(names) == n_columns and set("xyz") <= set(names):
-            return names
-    return []
+        # COLMAP's points have a list of any length last: "X, Y, Z, ..., TRACK[] as (IMAGE_ID, POINT2D_IDX)".
+        ends = [place for place, name in enumerate(names) if name.endswith("[]")]
+        names = names[: ends[0]] if ends else names
+        fits = len(names) <= n_columns if ends else len(names) == n_columns
+        if fits and set("xyz") <= set(names):
+            return _Columns(names, bool(ends))
+    return _Columns([], False)
+
+
+def _refuse_counted(column: np.ndarray) -> None:
+    """Raise ScanError where the first column numbers the points, and x is another one."""
+    if len(column) >= _FEWEST_COUNTED and (np.diff(column) == 1.0).all() and column[0] % 1 == 0:
+        raise ScanError(
+            f"its first column counts {column[0]:.0f}, {column[1]:.0f}, {column[2]:.0f} and so on: "
+            "a line with the names of the columns must say where x, y and z are"
+        )
 
 
 def _refuse_other_names(title: str, delimiter: str | None, n_columns: int) -> None:

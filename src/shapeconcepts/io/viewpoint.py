@@ -7,9 +7,20 @@ of a table or a map.
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
+from shapeconcepts.scan import measured_rows
+
+_NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
+_IN_COMMENT = re.compile(
+    r"\b(?:view[ _]?point|(?:sensor|camera)[ _](?:origin|position|cent(?:er|re)))\W+?"
+    + r"[\s,;]+".join([_NUMBER] * 3),
+    re.IGNORECASE,
+)
 # Depth sensors measure nothing nearer than this, metres.
 NEAREST = 0.25
 # A cloud in other units is told by its size: this many radii away, only one side of it is seen.
@@ -20,11 +31,43 @@ FIELD_OF_VIEW = 1.0
 MARGIN = 0.1
 
 
-def finite_rows(points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Rows of an (n, 3) array without NaN and infinity."""
-    # Ten times faster than all(axis=1).
-    x, y, z = np.isfinite(points).T
-    return x & y & z
+def viewpoint_of(
+    points: NDArray[np.float64], declared: NDArray[np.float64] | None
+) -> NDArray[np.float64] | None:
+    """Where the sensor stood, by what a file declares or else by the cloud itself; None if it is not known.
+
+    Parameters
+    ----------
+    points : (n, 3) float64
+        The cloud, metres; what was not measured does not count.
+    declared : (3,) float64 or None
+        In the same frame.
+    """
+    return camera_frame_viewpoint(points) if declared is None else declared_viewpoint(points, declared)
+
+
+def unless_default(position: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
+    """A position; None for (0, 0, 0), which writers put there when they do not know."""
+    return position if position is not None and position.any() else None
+
+
+def viewpoint_in_comments(comments: Iterable[str]) -> NDArray[np.float64] | None:
+    """The first three numbers behind "viewpoint", "sensor origin", "camera position" and the like."""
+    for comment in comments:
+        if found := _IN_COMMENT.search(comment):
+            return np.array([float(number) for number in found.groups()])
+    return None
+
+
+def common_position(columns: Iterable[NDArray]) -> NDArray[np.float64] | None:
+    """The position that three columns hold for every point, if it is one for all that know it."""
+    position = []
+    for column in columns:
+        known = np.unique(column[np.isfinite(column)])
+        if len(known) != 1:
+            return None
+        position.append(float(known[0]))
+    return np.array(position)
 
 
 def declared_viewpoint(
@@ -35,11 +78,11 @@ def declared_viewpoint(
     Parameters
     ----------
     points : (n, 3) float64
-        The cloud; non-finite rows do not count.
+        The cloud; what was not measured does not count.
     position : (3,) float64
         Sensor position in the same frame.
     """
-    measured = finite_rows(points)
+    measured = measured_rows(points)
     if not measured.any() or not np.isfinite(position).all():
         return None
     low, high = _bounding_box(points, measured)
@@ -53,15 +96,14 @@ def camera_frame_viewpoint(points: NDArray[np.float64]) -> NDArray[np.float64] |
     """The origin, if the cloud looks as if a camera there had seen it, else None.
 
     That is: every point lies in front (z forward) and within the field of view, and none is nearer than
-    0.25 m or, for small objects or other units, than three times the object's radius. Points exactly at the
-    origin are taken for missing measurements.
+    0.25 m or, for small objects or other units, than three times the object's radius.
 
     Parameters
     ----------
     points : (n, 3) float64
-        The cloud; non-finite rows do not count.
+        The cloud; what was not measured does not count.
     """
-    measured = finite_rows(points) & ((points[:, 0] != 0.0) | (points[:, 1] != 0.0) | (points[:, 2] != 0.0))
+    measured = measured_rows(points)
     if not measured.any():
         return None
     z = points[measured, 2]

@@ -9,12 +9,14 @@ from shapeconcepts.geometry.neighbour_kernels import restrict
 from shapeconcepts.geometry.neighbours import Neighbours, radius_neighbours
 from shapeconcepts.geometry.normal_kernels import principal_component_normals
 from shapeconcepts.geometry.origin import nearest_tile
+from shapeconcepts.geometry.point_kernels import first_of_equals
 from shapeconcepts.parameters import check_length
 from shapeconcepts.preparation.prepared_object import PreparedObject
 from shapeconcepts.preparation.sensor_direction import estimate_viewpoint, orient_normals
 from shapeconcepts.preparation.stray_points import stray_points
+from shapeconcepts.preparation.unusual import unusual
 from shapeconcepts.preparation.voxel_grid import VoxelGrid, adaptive_voxel_grid, voxel_grid
-from shapeconcepts.scan import ScanError
+from shapeconcepts.scan import ScanError, measured_rows
 from shapeconcepts.sources.conversion import as_scan
 
 # A hair more than 3: points on whole millimetres are often just 3 voxels apart, and rounding must not decide.
@@ -26,6 +28,8 @@ LARGEST = 1e9
 
 def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject:
     """Average a scan over a voxel grid, drop stray points, and estimate normals.
+
+    What was not measured (see `measured_rows`) and copies of a point count nowhere.
 
     Normals come from a principal component analysis over a radius of 3 voxels. They point towards the sensor;
     where its position is unknown, towards where it most likely was (see `estimate_viewpoint`), and the
@@ -52,12 +56,13 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
     if voxel_size != "auto":
         voxel_size = check_length("voxel_size", voxel_size)
     scan = as_scan(scan)
-    finite_x, finite_y, finite_z = np.isfinite(scan.points.T)
-    finite = finite_x & finite_y & finite_z
-    points = scan.points if finite.all() else scan.points[finite]
+    kept = measured_rows(scan.points)
     name = scan.name or "scan"
-    if len(points) == 0:
-        raise ScanError(f"{name}: none of its {len(finite)} points is finite")
+    if not kept.any():
+        raise ScanError(f"{name}: none of its {len(kept)} points is finite")
+    # Published clouds of a fixed number of points repeat some of them.
+    kept[kept] = first_of_equals(scan.points[kept])
+    points = scan.points if kept.all() else scan.points[kept]
     if np.abs(points).max() > LARGEST:
         raise ScanError(
             f"{name}: coordinates up to {np.abs(points).max():.3g}, expected metres (at most 1e9)"
@@ -72,10 +77,10 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
         stray = stray_points(neighbours)
         if not stray.any():
             break
-        kept = ~stray[grid.point_to_voxel]
-        points = points[kept]
-        finite[finite] = kept
-        grid = _without(grid, stray, kept)
+        stays = ~stray[grid.point_to_voxel]
+        points = points[stays]
+        kept[kept] = stays
+        grid = _without(grid, stray, stays)
         neighbours = Neighbours(*restrict(*neighbours, ~stray))
     normals = principal_component_normals(grid.points, neighbours.indptr, neighbours.indices)
     if scan.viewpoint is None:
@@ -83,7 +88,7 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
     else:
         viewpoint = scan.viewpoint - origin
     point_to_voxel = np.full(len(scan.points), -1, np.int32)
-    point_to_voxel[finite] = grid.point_to_voxel
+    point_to_voxel[kept] = grid.point_to_voxel
     return PreparedObject(
         points=grid.points + origin,
         normals=orient_normals(grid.points, normals, viewpoint),
@@ -93,6 +98,7 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
         viewpoint=scan.viewpoint,
         name=scan.name,
         label=scan.label,
+        notices=(*scan.notices, *unusual(grid, viewpoint)),
     )
 
 

@@ -21,7 +21,8 @@ class PreparedObject:
     normals : (m, 3) float64
         Unit normals, oriented towards the sensor.
     point_to_voxel : (n,) int32
-        Row in `points` for each point of the scan, -1 for a dropped point.
+        Row in `points` for each point of the scan, -1 for a dropped point: not measured, stray, or a copy of
+        another one.
     neighbours : Neighbours
         Neighbours of each point within 3 voxels.
     voxel_size : float
@@ -30,6 +31,8 @@ class PreparedObject:
         Position of the sensor, None where it is not known.
     name, label
         As in the scan.
+    notices : tuple of str
+        Those of the scan, and what its points say.
     """
 
     points: NDArray[np.float64]
@@ -40,3 +43,4 @@ class PreparedObject:
     viewpoint: NDArray[np.float64] | None = None
     name: str = ""
     label: str | None = None
+    notices: tuple[str, ...] = ()

@@ -65,7 +65,7 @@ def adaptive_voxel_grid(points: NDArray[np.float64]) -> VoxelGrid:
         Finite coordinates, n >= 1.
     """
     coordinates = canonical_coordinates(points)
-    extent = _robust_extent(coordinates)
+    extent = robust_extent(coordinates)
     voxel_size = KINECT_VOXEL_SIZE if 0.02 <= extent <= 5.0 or extent < _SMALLEST_EXTENT else extent / 60
     keys = cell_keys(coordinates, voxel_size)
     occupied = _count(keys)
@@ -76,7 +76,7 @@ def adaptive_voxel_grid(points: NDArray[np.float64]) -> VoxelGrid:
     return _fill(points, keys, voxel_size)
 
 
-def _robust_extent(coordinates: NDArray[np.float64]) -> float:
+def robust_extent(coordinates: NDArray[np.float64]) -> float:
     """Diagonal of the box around all but the outermost 2 % at each end, so that no far stray point counts."""
     outside = len(coordinates) // 50
     ranks = [outside, len(coordinates) - 1 - outside]

@@ -99,7 +99,8 @@ class SegmentCache:
         for index, one in enumerate(objects):
             for field in fields(one):
                 value = getattr(one, field.name)
-                if value is not None:
+                # An empty tuple is as good as none.
+                if value is not None and not (isinstance(value, tuple) and not value):
                     arrays[f"{index}/{field.name}"] = np.asarray(value)
         content = BytesIO()
         np.savez(content, **arrays)  # type: ignore[arg-type]
@@ -148,4 +149,5 @@ def _digest(key: str, arrays: bytes) -> bytes:
 def _unpack(prefix: str, arrays: np.lib.npyio.NpzFile) -> SegmentedObject:
     values = {name.removeprefix(prefix): arrays[name] for name in arrays.files if name.startswith(prefix)}
     scalars = {name: value.item() for name, value in values.items() if value.ndim == 0}
-    return SegmentedObject(**{**values, **scalars})
+    texts = {name: tuple(value.tolist()) for name, value in values.items() if value.dtype.kind == "U"}
+    return SegmentedObject(**{**values, **texts, **scalars})

@@ -34,6 +34,8 @@ class SegmentedObject:
         Position of the sensor, None where it is not known.
     name, label
         As in the scan.
+    notices : tuple of str
+        What should be looked at, such as a field that could not be read, see `Scan.notices`.
     """
 
     points: NDArray[np.float64]
@@ -47,3 +49,4 @@ class SegmentedObject:
     viewpoint: NDArray[np.float64] | None = None
     name: str = ""
     label: str | None = None
+    notices: tuple[str, ...] = ()

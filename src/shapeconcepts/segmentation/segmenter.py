@@ -116,6 +116,7 @@ class Segmenter(BaseEstimator):
             viewpoint=prepared.viewpoint,
             name=prepared.name,
             label=prepared.label,
+            notices=prepared.notices,
         )
 
 

@@ -15,7 +15,7 @@ KINECT = SensorModel()
 ELEVATIONS = (10.0, 60.0)
 DISTANCES = (0.6, 1.6)
 DISTANCE_LIMITS = (0.4, 8.0)
-EXTENT_LIMITS = (0.005, 3.0)
+EXTENT_LIMITS = (0.005, 6.0)
 
 _NEAREST_VERTEX = 0.1
 # Triangles whose corners are copied at a time.
@@ -155,7 +155,7 @@ def _checked_mesh(
     if not EXTENT_LIMITS[0] <= extent <= EXTENT_LIMITS[1]:
         raise ScanError(
             f"{title}: the mesh is {extent:g} m across, expected {EXTENT_LIMITS[0]} to {EXTENT_LIMITS[1]} m; "
-            "are its coordinates in metres?"
+            "its coordinates may not be in metres, which units tells (--units mm)"
         )
     if not any(_has_area(vertices[faces[row : row + _AT_ONCE]]) for row in range(0, len(faces), _AT_ONCE)):
         raise ScanError(f"{title}: every face has the area 0")

@@ -9,28 +9,23 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import NamedTuple, TypedDict, Unpack
+from typing import NamedTuple, Unpack
 
-from shapeconcepts.io.depth_image import Intrinsics, Mask
+from shapeconcepts.io.depth_image import DEPTH_SUFFIXES, Mask
 from shapeconcepts.scan import Scan, ScanError, ScanWarning
-from shapeconcepts.sources.reader import SCAN_SUFFIXES, Viewpoint, read_scan
+from shapeconcepts.sources.notices import in_few_words
+from shapeconcepts.sources.other_formats import refusal_of_format
+from shapeconcepts.sources.other_tables import what_else_it_is
+from shapeconcepts.sources.reader import SCAN_SUFFIXES, ReadOptions, read_scan_silently
 
 Source = str | PathLike[str] | Iterable[str | PathLike[str]]
-
-
-class ReadOptions(TypedDict, total=False):
-    """Parameters of `read_scan` that hold for all files; `mask` may be a folder."""
-
-    viewpoint: Viewpoint
-    intrinsics: Intrinsics | None
-    mask: Mask | None
-    depth_scale: float
 
 
 class ScanFile(NamedTuple):
     """A file to read, the name and label that its scan gets, and its path inside the folder given.
 
-    Or a folder that cannot be listed: `failure` says why, and reading it gives that as its error.
+    Or what cannot be read, such as a folder that cannot be listed: `failure` says why, and reading it gives
+    that as its error. What was found in a folder may be something else than a scan.
     """
 
     path: Path
@@ -38,6 +33,7 @@ class ScanFile(NamedTuple):
     label: str | None
     inside: Path
     failure: str = ""
+    is_found: bool = False
 
 
 class ScanList(list[Scan]):
@@ -93,21 +89,24 @@ def iter_scans(files: Iterable[ScanFile], **options: Unpack[ReadOptions]) -> Ite
     files : iterable of ScanFile
         As `find_scan_files` lists them.
     **options
-        `viewpoint`, `intrinsics`, `mask` and `depth_scale` of `read_scan`. Of depth images, several may share
-        one mask, or `mask` is a folder that holds a mask of the same name (and sub-folder) for each. Other
-        scans have none.
+        Those of `read_scan`. Of depth images, several may share one mask, or `mask` is a folder that holds a
+        mask of the same name (and sub-folder) for each. Other scans have none.
 
     Yields
     ------
     Scan or ScanError
-        One for each file, in the same order.
+        One for each file, in the same order. Nothing warns; scans have their notices. Of files that were
+        found in a folder, tables that are no scans, such as calibrations and trajectories, are errors, too.
     """
     for file in files:
         try:
             if file.failure:
                 raise ScanError(f"{file.path}: {file.failure}")
-            own_options: ReadOptions = {**options, "mask": _mask(file, options.get("mask"))}
-            yield replace(read_scan(file.path, **own_options), name=file.name, label=file.label)
+            own_options: ReadOptions = {**options, "mask": _mask(file, options)}
+            scan = read_scan_silently(file.path, **own_options)
+            if file.is_found and (other := what_else_it_is(file.path)):
+                raise ScanError(f"{file.path}: {other}")
+            yield replace(scan, name=file.name, label=file.label)
         except ScanError as error:
             yield error
 
@@ -121,9 +120,10 @@ def read_scans(source: Source, *, strict: bool = False, **options: Unpack[ReadOp
         Files and folders, see `find_scan_files`. Names of sub-folders become the labels.
     strict : bool
         Raise at the first file that cannot be read. By default such files are left out, listed in
-        `ScanList.skipped`, and one ScanWarning tells so.
+        `ScanList.skipped`, and one ScanWarning tells so. Others tell of what should be looked at in scans,
+        see `Scan.notices`.
     **options
-        `viewpoint`, `intrinsics`, `mask` and `depth_scale` of `read_scan`, see `iter_scans`.
+        Those of `read_scan`, see `iter_scans`.
 
     Returns
     -------
@@ -139,7 +139,7 @@ def read_scans(source: Source, *, strict: bool = False, **options: Unpack[ReadOp
 
 
 def collect(results: Iterable[Scan | ScanError], *, strict: bool = False) -> ScanList:
-    """List the scans among results, and the errors as skipped; a ScanWarning tells of them.
+    """List the scans among results, and the errors as skipped; ScanWarnings tell of them, and of notices.
 
     Parameters
     ----------
@@ -173,6 +173,9 @@ def collect(results: Iterable[Scan | ScanError], *, strict: bool = False) -> Sca
             ScanWarning,
             stacklevel=3,
         )
+    notices = [(scan.name, notice) for scan in scans for notice in scan.notices]
+    for sentence in in_few_words(notices, len(scans)):
+        warnings.warn(sentence, ScanWarning, stacklevel=3)
     return scans
 
 
@@ -184,9 +187,11 @@ def existing_folder(folder: str | PathLike[str]) -> Path:
     return folder
 
 
-def _mask(file: ScanFile, mask: Mask | None) -> Mask | None:
+def _mask(file: ScanFile, options: ReadOptions) -> Mask | None:
     """The mask of one of several files."""
-    if file.path.suffix.lower() != ".png":
+    suffix, mask = file.path.suffix.lower(), options.get("mask")
+    is_depth = suffix in DEPTH_SUFFIXES or (suffix == ".npy" and options.get("intrinsics") is not None)
+    if not is_depth:
         return None
     if isinstance(mask, str | PathLike) and os.path.isdir(mask):
         return Path(mask) / file.inside
@@ -195,23 +200,26 @@ def _mask(file: ScanFile, mask: Mask | None) -> Mask | None:
 
 def _files_below(folder: Path) -> list[ScanFile]:
     unlisted: list[tuple[Path, str]] = []
-    found = [(path, "") for path in scan_paths(folder, unlisted)]
+    found = [(path, refusal_of_format(path.suffix.lower())) for path in scan_paths(folder, unlisted, True)]
     files = []
     for path, failure in sorted(
         [*found, *unlisted], key=lambda one: _natural_order(one[0].relative_to(folder))
     ):
         inside = path.relative_to(folder)
         label = inside.parts[0] if len(inside.parts) > 1 else None
-        files.append(ScanFile(path, inside.as_posix(), label, inside, failure))
+        files.append(ScanFile(path, inside.as_posix(), label, inside, failure, is_found=True))
     if not files:
         raise ScanError(f"{folder}: holds no scans, that is no files {' '.join(SCAN_SUFFIXES)}")
     return files
 
 
-def scan_paths(folder: Path, unlisted: list[tuple[Path, str]]) -> Iterator[Path]:
+def scan_paths(
+    folder: Path, unlisted: list[tuple[Path, str]], with_other_formats: bool = False
+) -> Iterator[Path]:
     """Files below a folder with a known suffix, hidden ones left out, in no particular order.
 
-    Folders that cannot be listed are added to `unlisted`, with the reason.
+    Folders that cannot be listed are added to `unlisted`, with the reason. Other formats are those that may
+    hold scans, but are not read.
     """
 
     def skip(error: OSError) -> None:
@@ -227,7 +235,9 @@ def scan_paths(folder: Path, unlisted: list[tuple[Path, str]]) -> Iterator[Path]
             if not name.startswith(".") and os.path.realpath(os.path.join(place, name)) not in seen
         )
         for name in names:
-            if not name.startswith(".") and Path(name).suffix.lower() in SCAN_SUFFIXES:
+            suffix = Path(name).suffix.lower()
+            is_other = with_other_formats and refusal_of_format(suffix)
+            if not name.startswith(".") and (suffix in SCAN_SUFFIXES or is_other):
                 yield Path(place, name)
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from shapeconcepts.io.viewpoint import camera_frame_viewpoint, finite_rows
-from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.io.viewpoint import camera_frame_viewpoint
+from shapeconcepts.scan import Scan, ScanError, measured_rows
 
 
 def as_scan(value: object) -> Scan:
@@ -37,6 +37,6 @@ def as_scan(value: object) -> Scan:
             f"expected a Scan, an (n, 3) array or a point cloud with .points, got {type(value).__name__}"
             + (f" of shape {value.shape}" if isinstance(value, np.ndarray) else "")
         ) from None
-    if not finite_rows(scan.points).any():
+    if not measured_rows(scan.points).any():
         raise ScanError(f"a {type(value).__name__} with {len(scan)} points holds none that is finite")
     return Scan(scan.points, camera_frame_viewpoint(scan.points))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
+from typing import Unpack
 
 from shapeconcepts.scan import ScanError
 from shapeconcepts.sources.collection import (
@@ -17,11 +18,11 @@ from shapeconcepts.sources.collection import (
 )
 from shapeconcepts.sources.oscd import is_oscd, is_split_folder, load_oscd
 from shapeconcepts.sources.osd import is_labelled_scene, is_scene_name, load_osd
-from shapeconcepts.sources.reader import read_scan
+from shapeconcepts.sources.reader import ReadOptions, read_scan_silently
 from shapeconcepts.sources.washington import is_washington, load_washington
 
 
-def load_labelled(folder: str | PathLike[str]) -> ScanList:
+def load_labelled(folder: str | PathLike[str], **options: Unpack[ReadOptions]) -> ScanList:
     """Read the labelled scans in a folder, whichever data set it holds.
 
     * Files named and placed like ``apple_1/apple_1_1_1.pcd``: `load_washington`.
@@ -34,6 +35,8 @@ def load_labelled(folder: str | PathLike[str]) -> ScanList:
     Parameters
     ----------
     folder : path
+    **options
+        Those of `read_scan`, for any other folder than the data sets'.
 
     Returns
     -------
@@ -46,7 +49,7 @@ def load_labelled(folder: str | PathLike[str]) -> ScanList:
         If there is no labelled scan that can be read.
     """
     folder = existing_folder(folder)
-    scans = _load(folder)
+    scans = _load(folder, options)
     labelled = ScanList((scan for scan in scans if scan.label is not None), scans.skipped)
     labelled.skipped += [ScanError(f"{scan.name}: has no label") for scan in scans if scan.label is None]
     if not labelled:
@@ -54,7 +57,7 @@ def load_labelled(folder: str | PathLike[str]) -> ScanList:
     return labelled
 
 
-def _load(folder: Path) -> ScanList:
+def _load(folder: Path, options: ReadOptions) -> ScanList:
     if is_washington(folder):
         return load_washington(folder)
     files = find_scan_files(folder)
@@ -65,7 +68,7 @@ def _load(folder: Path) -> ScanList:
     files = _labelled_by_folder(files)
     if all(file.label is None or file.failure for file in files):
         raise _nothing_labelled(folder)
-    return collect(iter_scans(files))
+    return collect(iter_scans(files, **options))
 
 
 def _are_scenes(files: Sequence[ScanFile]) -> bool:
@@ -76,7 +79,7 @@ def _are_scenes(files: Sequence[ScanFile]) -> bool:
         in_place = len(file.inside.parts) == 1 or is_scene_name(file.path.stem)
         if in_place and file.path.suffix.lower() == ".pcd":
             try:
-                return is_labelled_scene(read_scan(file.path).point_labels)
+                return is_labelled_scene(read_scan_silently(file.path).point_labels)
             except ScanError:
                 continue
     return False

@@ -5,16 +5,19 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Unpack
 
 from shapeconcepts.parameters import check_integer
 from shapeconcepts.scan import Scan, ScanError
 from shapeconcepts.sources.collection import ScanFile, ScanList, Source, collect, find_scan_files, iter_scans
-from shapeconcepts.sources.reader import read_views
+from shapeconcepts.sources.reader import ReadOptions, read_views
 
 _NAME = re.compile(r"(?P<mesh>.*)/view \d+ of (?P<count>\d+)", re.DOTALL)
 
 
-def load_views(source: Source, n_views: int, *, strict: bool = False) -> ScanList:
+def load_views(
+    source: Source, n_views: int, *, strict: bool = False, **options: Unpack[ReadOptions]
+) -> ScanList:
     """Scan each mesh in files and folders from sides spread over the sphere around it.
 
     Parameters
@@ -25,6 +28,8 @@ def load_views(source: Source, n_views: int, *, strict: bool = False) -> ScanLis
         Of each mesh, from 1.
     strict : bool
         As in `read_scans`.
+    **options
+        Those of `read_scan`, see `iter_scans`.
 
     Returns
     -------
@@ -39,12 +44,16 @@ def load_views(source: Source, n_views: int, *, strict: bool = False) -> ScanLis
         If `n_views` is not a positive integer.
     """
     check_integer("n_views", n_views, 1)
-    results = (result for file in find_scan_files(source) for result in _views_or_error(file, n_views))
+    results = (
+        result for file in find_scan_files(source) for result in _views_or_error(file, n_views, options)
+    )
     return collect(results, strict=strict)
 
 
-def views_of_file(file: ScanFile, n_views: int) -> list[Scan]:
+def views_of_file(file: ScanFile, n_views: int, **options: Unpack[ReadOptions]) -> list[Scan]:
     """Views of the mesh in a file, called after it; none where it holds no mesh.
+
+    Of the options of `read_scan`, those of meshes count.
 
     Raises
     ------
@@ -55,7 +64,7 @@ def views_of_file(file: ScanFile, n_views: int) -> list[Scan]:
         return []
     return [
         replace(view, name=f"{file.name}/{view_name(view)}", label=file.label, instance=file.name)
-        for view in read_views(file.path, n_views)
+        for view in read_views(file.path, n_views, units=options.get("units", "m"), up=options.get("up"))
     ]
 
 
@@ -70,10 +79,10 @@ def mesh_and_count(name: str) -> tuple[str, int] | None:
     return (match["mesh"], int(match["count"])) if match else None
 
 
-def _views_or_error(file: ScanFile, n_views: int) -> Iterator[Scan | ScanError]:
+def _views_or_error(file: ScanFile, n_views: int, options: ReadOptions) -> Iterator[Scan | ScanError]:
     try:
-        views = views_of_file(file, n_views)
+        views = views_of_file(file, n_views, **options)
     except ScanError as error:
         yield error
         return
-    yield from views or iter_scans([file])
+    yield from views or iter_scans([file], **options)

@@ -13,8 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.io.viewpoint import finite_rows
-from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.scan import Scan, ScanError, measured_rows
 from shapeconcepts.sources.collection import ScanFile, ScanList, collect, existing_folder, find_scan_files
 from shapeconcepts.sources.reader import read_scan
 
@@ -71,15 +70,22 @@ def _objects(files: Iterable[ScanFile]) -> Iterator[Scan | ScanError]:
 
 
 def is_labelled_scene(labels: NDArray[np.int64] | None) -> bool:
-    """Whether point labels number a table and the objects on it, as in the Object Segmentation Database."""
+    """Whether point labels number a table and the objects on it, as in the Object Segmentation Database.
+
+    There is the table's first part, 1, or that of each object, its decade: other numbers mean something else.
+    """
     if labels is None:
         return False
-    decades = np.unique(labels[labels > 0] // 10)
-    return len(decades) >= 2 and bool(decades[0] == 0 and decades[1] >= 2)
+    found = np.unique(labels[labels > 0])
+    decades = np.unique(found // 10)
+    is_scene = len(decades) >= 2 and bool(decades[0] == 0 and decades[1] >= 2)
+    return is_scene and bool(found[0] == 1 or np.isin(10 * decades[1:], found).all())
 
 
 def scene_objects(scene: Scan) -> list[Scan]:
     """Objects of a labelled scene, see `load_osd`.
+
+    They have the label of the scene, unless that is the name of a split; without one, that of `load_osd`.
 
     Raises
     ------
@@ -89,7 +95,7 @@ def scene_objects(scene: Scan) -> list[Scan]:
     if scene.point_labels is None:
         raise ScanError(f"{scene.name}: has no field label, which tells the objects of a scene apart")
     stem = Path(scene.name).stem
-    valid = finite_rows(scene.points) & (scene.points[:, 2] > 0.0)
+    valid = measured_rows(scene.points) & (scene.points[:, 2] > 0.0)
     valid &= scene.point_labels >= FIRST_OBJECT_LABEL
     points, labels = scene.points[valid], scene.point_labels[valid]
     decades = labels // 10
@@ -98,7 +104,7 @@ def scene_objects(scene: Scan) -> list[Scan]:
             points[decades == decade],
             viewpoint=np.zeros(3),
             name=f"{stem}/{decade}",
-            label=scene_category(stem),
+            label=scene.label or scene_category(stem),
             point_labels=labels[decades == decade],
         )
         for decade in np.unique(decades)

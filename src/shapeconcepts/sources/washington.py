@@ -14,7 +14,7 @@ from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
-from shapeconcepts.io.depth_image import depth_image_size
+from shapeconcepts.io.depth_image import png_depth_size
 from shapeconcepts.io.regular_file import read_regular_file
 from shapeconcepts.parameters import check_integer
 from shapeconcepts.scan import Scan, ScanError
@@ -171,7 +171,7 @@ def _read_depth_crop(path: Path) -> Scan:
     # depthToCloud.m counts pixels from 1, in the crop and in the image, so the first one is at the corner.
     center = (_CENTER[0] - corner[0], _CENTER[1] - corner[1])
     scan = read_scan(path, intrinsics=(_FOCAL_LENGTH, _FOCAL_LENGTH, *center), mask=mask)
-    crop_size = depth_image_size(read_regular_file(path))
+    crop_size = png_depth_size(read_regular_file(path))
     for first, length, limit in zip(corner, crop_size, _IMAGE_SIZE, strict=True):
         if first + length - 1 > limit:
             raise ScanError(
