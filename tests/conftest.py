@@ -5,6 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from shapeconcepts.scan import Scan
+from shapeconcepts.sources import reader
+
 # What a shell starts in the background ignores interrupts, and so would the commands that tests interrupt.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -17,3 +20,16 @@ def shared_data() -> Path:
     if not SHARED_DATA.is_dir():
         pytest.skip(f"needs the data folder {SHARED_DATA}, which is absent")
     return SHARED_DATA
+
+
+@pytest.fixture
+def scanned(monkeypatch):
+    """The mesh that a reader hands to the simulator."""
+    seen = {}
+
+    def scan_mesh(vertices, faces, *, random_state, name):
+        seen.update(vertices=vertices, faces=faces, random_state=random_state)
+        return Scan(vertices, name=name)
+
+    monkeypatch.setattr(reader, "scan_mesh", scan_mesh)
+    return seen

@@ -11,7 +11,8 @@ import pytest
 from scipy.sparse import issparse
 
 from shapeconcepts import DescribedObject, ModelError, Scan, ShapeConceptModel, load_model
-from shapeconcepts.descriptors import DescribedOcclusion, Description
+from shapeconcepts.descriptors import DescribedOcclusion, Description, Descriptor
+from shapeconcepts.descriptors.registry import get_descriptor
 from shapeconcepts.model_file.container import read_container, write_container
 from shapeconcepts.parameters import StagesMixin
 
@@ -28,6 +29,7 @@ LAZY = {
 }
 
 
+DESCRIPTOR = "distance"
 # Columns, heat, stop and responses of the paper, with a bandwidth that suits the objects below.
 LIKE_THE_PAPER: dict[str, Any] = {
     "ensemble__columns": "motifs",
@@ -38,19 +40,23 @@ LIKE_THE_PAPER: dict[str, Any] = {
 }
 
 
-def described_objects(n_per_kind: int, seed: int = 0) -> list[DescribedObject]:
-    """Objects of four kinds, with one to four segments in a row, in 12 bins."""
+def described_objects(
+    n_per_kind: int, seed: int = 0, descriptor: str | Descriptor = DESCRIPTOR
+) -> list[DescribedObject]:
+    """Objects of four kinds, with one to four segments in a row, in 12 of the bins of a descriptor."""
+    unused = [(0, 0), (0, getattr(get_descriptor(descriptor), "n_bins", 12) - 12)]
     random, hiding = np.random.default_rng(seed), np.random.default_rng((seed, 1))
     objects = []
     for number in range(4 * n_per_kind):
         kind = number % 4
-        segments = random.random((kind + 1, 12)) * 0.3
+        segments = np.pad(random.random((kind + 1, 12)) * 0.3, unused)
         segments[np.arange(kind + 1), 3 * kind + np.arange(kind + 1) % 3] += 2 + random.random()
         edges = np.array([(i, i + 1) for i in range(kind)], np.int32).reshape(-1, 2)
         label = None if number % 5 == 0 else f"kind {kind}"
         name = f"object {number}"
         # As if a part of the first segment, and all others, were hidden.
-        rest = DescribedObject(Description(segments[:1] * hiding.random((1, 12)) ** 4), name=name)
+        left = np.pad(hiding.random((1, 12)) ** 4, unused)
+        rest = DescribedObject(Description(segments[:1] * left), name=name)
         occlusions = (DescribedOcclusion(rest, np.zeros(1, np.int32)),)
         objects.append(DescribedObject(Description(segments), edges, name, label, occlusions))
     return objects
@@ -58,11 +64,13 @@ def described_objects(n_per_kind: int, seed: int = 0) -> list[DescribedObject]:
 
 def fitted_model(**parameters: Any) -> ShapeConceptModel:
     """A model of 40 objects, the third of which could not be segmented, with a named concept."""
-    objects: list[object] = list(described_objects(10))
+    descriptor = parameters.pop("descriptor", DESCRIPTOR)
+    objects: list[object] = list(described_objects(10, descriptor=descriptor))
     objects[2] = Scan(np.full((5, 3), np.nan), name="not\udcff a scan")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        model = ShapeConceptModel().set_params(**{"ensemble__dictionary__n_levels": 3, **parameters})
+        model = ShapeConceptModel(descriptor=descriptor)
+        model.set_params(**{"ensemble__dictionary__n_levels": 3, **parameters})
         model.fit(objects)
     for number, concept in enumerate(model.concepts_):
         concept.name = f'näme "{number}"\n\udcff' if number == 1 else f"concept of kind {number}"

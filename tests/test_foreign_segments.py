@@ -23,7 +23,7 @@ def test_a_segment_of_another_kind_is_foreign():
 def test_an_unknown_scan_and_motifs_as_columns_have_nothing_foreign():
     model = fitted_model()
     # Bins that no kind has together.
-    histograms = np.zeros((2, 12))
+    histograms = np.zeros((2, 14))
     histograms[:, [1, 5]] = [[8.0, 1.0], [1.0, 3.0]]
     strange = DescribedObject(Description(histograms), np.array([[0, 1]], np.int32))
     model.response_.largest_divergence_ = 0.0

@@ -13,7 +13,7 @@ import pytest
 from safetensors import safe_open
 from sklearn.exceptions import NotFittedError
 
-from model_file_examples import LIKE_THE_PAPER, described_objects, differences, fitted_model
+from model_file_examples import DESCRIPTOR, LIKE_THE_PAPER, described_objects, differences, fitted_model
 from shapeconcepts import (
     FPFH,
     Joint,
@@ -103,7 +103,7 @@ def test_repeated_scans(path):
     """They are one vertex of the space, which counts them all."""
     objects = [one for one in described_objects(10) for _ in range(4)]
     ensemble = MotifHierarchyEnsemble(SegmentDictionary(3), leave_own_out=False)
-    model = ShapeConceptModel(ensemble=ensemble).fit(objects)
+    model = ShapeConceptModel(descriptor=DESCRIPTOR, ensemble=ensemble).fit(objects)
     multiplicities = model.filtration_.space_.multiplicities_
     assert min(multiplicities) >= 4 and sum(multiplicities) == 160
     assert differences(model, saved_and_loaded(model, path)) == []
@@ -112,9 +112,8 @@ def test_repeated_scans(path):
 def test_a_model_without_stimuli(path):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        model = ShapeConceptModel(ensemble=MotifHierarchyEnsemble(SegmentDictionary(1))).fit(
-            described_objects(1)[:1]
-        )
+        ensemble = MotifHierarchyEnsemble(SegmentDictionary(1))
+        model = ShapeConceptModel(descriptor=DESCRIPTOR, ensemble=ensemble).fit(described_objects(1)[:1])
     assert model.stimuli_.nnz == 0
     loaded = saved_and_loaded(model, path)
     assert differences(model, loaded) == []
@@ -208,7 +207,7 @@ def test_parameters_survive(path):
     left = loaded.get_params().keys() - parameters.keys()
     stages = {"segmenter", "ensemble", "ensemble__dictionary", "filtration", "response"}
     assert left == stages | {"n_jobs", "ensemble__n_jobs", "descriptor__radius"}
-    objects = described_objects(3, seed=2)
+    objects = described_objects(3, seed=2, descriptor=FPFH())
     assert differences(model.transform(objects), loaded.transform(objects)) == []
 
 
@@ -240,7 +239,7 @@ def test_a_model_without_concepts(path):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         ensemble = MotifHierarchyEnsemble(SegmentDictionary(1), min_support=1, leave_own_out=False)
-        model = ShapeConceptModel(ensemble=ensemble).fit(objects)
+        model = ShapeConceptModel(descriptor=DESCRIPTOR, ensemble=ensemble).fit(objects)
     assert model.filtration_.epsilon_max_ is None
     loaded = saved_and_loaded(model, path)
     assert differences(model, loaded) == []

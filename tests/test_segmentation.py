@@ -274,7 +274,7 @@ def test_any_cloud(points, voxel_size):
     [
         [[0.3, 0.2, 0.1]],
         [[0.3, 0.2, 0.1], [0.3, 0.2, 0.4]],
-        np.outer(np.linspace(0, 0.4, 900), [0.6, 0.8, 0.0]) + [0.0, 0.0, 0.5],
+        np.column_stack([*np.outer([0.6, 0.8], np.linspace(0, 0.4, 900)), np.full(900, 0.5)]),
         np.column_stack([*grid(0.1, 0.1), np.full(2500, 0.9)]),
         np.full((200, 3), 0.7),
         np.repeat(half_ball(0.04), 4, axis=0),

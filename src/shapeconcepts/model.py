@@ -50,7 +50,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
     segmenter : Segmenter, optional
     descriptor : str or Descriptor
         A name as of `get_descriptor`; "surflet+fpfh+curvature+distance" is where size counts, too. A model
-        with a descriptor of one's own cannot be saved.
+        with a descriptor of one's own, or learned from objects that another one described, cannot be saved.
     ensemble : MotifHierarchyEnsemble, optional
     filtration : Filtration, optional
     response : ConceptResponse, optional

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.base import BaseEstimator
 
-from shapeconcepts.descriptors.curvature_kernels import curvature_histograms, principal_curvatures
+from shapeconcepts.descriptors.curvature_kernels import N_BINS, curvature_histograms, principal_curvatures
 from shapeconcepts.descriptors.protocol import Description
 from shapeconcepts.descriptors.segment_kernels import size_of_segments
 from shapeconcepts.descriptors.segment_labels import checked_labels
@@ -39,6 +39,7 @@ class Curvature(BaseEstimator):
     """
 
     _parameter_constraints: ClassVar[dict[str, list[Any]]] = {"radius": [positive_number()]}
+    n_bins: ClassVar[int] = N_BINS
 
     radius: float = 0.4
 

@@ -14,6 +14,7 @@ from shapeconcepts.descriptors.fpfh_kernels import (
     segment_sums,
     simplified_histograms,
 )
+from shapeconcepts.descriptors.pair_feature_kernels import N_BINS
 from shapeconcepts.descriptors.protocol import Description
 from shapeconcepts.descriptors.segment_labels import checked_labels
 from shapeconcepts.geometry.neighbours import cell_grid
@@ -36,6 +37,7 @@ class FPFH(BaseEstimator):
     """
 
     _parameter_constraints: ClassVar[dict[str, list[Any]]] = {"radius": [positive_number()]}
+    n_bins: ClassVar[int] = 3 * N_BINS
 
     radius: float = 0.03
 

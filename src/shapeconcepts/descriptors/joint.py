@@ -43,6 +43,11 @@ class Joint(BaseEstimator):
     descriptors: tuple[Descriptor, ...]
     normal_radius: float = 0.02
 
+    @property
+    def n_bins(self) -> int:
+        """Number of bins; only where each of the descriptors tells its own, as those of this package do."""
+        return sum(descriptor.n_bins for descriptor in self.descriptors)  # type: ignore[attr-defined]
+
     def describe(self, segmented: SegmentedObject) -> Description:
         """Histograms of all descriptors, in their order.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from sklearn.base import BaseEstimator
@@ -31,6 +32,8 @@ class PointDistances(BaseEstimator):
     doubling; smaller distances count as the first and larger ones as the last. A pair counts in the two
     places around its distance.
     """
+
+    n_bins: ClassVar[int] = N_BINS
 
     def describe(self, segmented: SegmentedObject) -> Description:
         """Histograms of each segment's pairs of points and of the pairs across each two segments.

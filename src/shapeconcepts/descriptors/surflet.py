@@ -47,6 +47,7 @@ class Surflet(BaseEstimator):
     """
 
     _parameter_constraints: ClassVar[dict[str, list[Any]]] = {"scale": [choice(*SCALES)]}
+    n_bins: ClassVar[int] = N_BINS
 
     scale: str = "relative"
 

@@ -12,6 +12,7 @@ from scipy.sparse import csr_matrix
 from sklearn.base import clone
 
 from shapeconcepts.concepts import Concept, ConceptResponse, Filtration
+from shapeconcepts.model_file.agreement import check_ensemble, check_filtration, check_response
 from shapeconcepts.model_file.container import read_container
 from shapeconcepts.model_file.content import check_content, check_description
 from shapeconcepts.model_file.error import ModelError, require
@@ -20,7 +21,6 @@ from shapeconcepts.model_file.parameters import decode_descriptor, decode_stage
 from shapeconcepts.model_file.state import ModelState
 from shapeconcepts.motifs import MotifHierarchies, MotifHierarchyEnsemble, SegmentDictionary
 from shapeconcepts.motifs.imagined_prototypes import ImaginedPrototypes
-from shapeconcepts.motifs.stimuli import MotifField
 from shapeconcepts.segmentation import Segmenter
 from shapeconcepts.topology import TopologicalSpace
 from shapeconcepts.topology.divergence import normalised_rows
@@ -63,16 +63,18 @@ def restore_state(tensors: Tensors, description: dict[str, Any]) -> ModelState:
     ensemble = decode_stage(stages["ensemble"], MotifHierarchyEnsemble, "ensemble")
     filtration = decode_stage(stages["filtration"], Filtration, "filtration")
     response = decode_stage(stages["response"], ConceptResponse, "response")
+    descriptor = decode_descriptor(stages["descriptor"])
     check_content(tensors, list(skipped), ensemble.columns)
 
     _fit_ensemble(ensemble, tensors, description, skipped)
     stimuli = _stimuli(tensors)
+    check_ensemble(ensemble, descriptor, tensors["stimuli.sources"], stimuli, list(skipped))
     rows = normalised_rows(stimuli, "stimuli")
     _fit_filtration(filtration, tensors, description, rows)
     _fit_response(response, tensors, description, rows)
     return ModelState(
         decode_stage(stages["segmenter"], Segmenter, "segmenter"),
-        decode_descriptor(stages["descriptor"]),
+        descriptor,
         ensemble,
         filtration,
         response,
@@ -114,9 +116,6 @@ def _fit_ensemble(
     if ensemble.columns == "prototypes":
         # On another processor the last bits, and so the sample, could be others.
         ensemble._sampled = tensors["stimuli.sources"]
-    else:
-        # To find out anew which motifs are columns takes longer than all the rest of loading.
-        ensemble._field = MotifField(hierarchies, tensors["stimuli.sources"], float(ensemble.bandwidth))
 
 
 def _stimuli(tensors: Tensors) -> csr_matrix:
@@ -147,8 +146,6 @@ def _fit_filtration(
 
     filtration._annex(space, space.edges_[tensors["filtration.order"]], tensors["filtration.times"])
     filtration.p_values_ = tensors["filtration.p_values"]
-    filtration.epsilon_max_ = description["epsilon_max"]
-    filtration.concept_time_ = description["concept_time"]
     filtration.labels_ = tensors["concepts.labels"]
     filtration.concepts_ = [
         Concept(members, medoid, birth, death, name)
@@ -168,9 +165,16 @@ def _fit_filtration(
     )
     if granularity is None:
         require(not names, f"group_names must be empty where there are no groups, got {names!r:.60}")
-        return
+    else:
+        _fit_groups(filtration, granularity, names)
+    check_filtration(filtration, description)
+    # On another processor the last bits of what was found anew could be others.
+    filtration.epsilon_max_, filtration.granularity_ = description["epsilon_max"], granularity
+    filtration.concept_time_ = description["concept_time"]
+
+
+def _fit_groups(filtration: Filtration, granularity: float, names: list[list[Any]]) -> None:
     tree = filtration._split(filtration.p_values_)
-    filtration.granularity_ = granularity
     groups = filtration._groups(granularity)
     members = [tree.members(group).tolist() for group in groups]
     require(
@@ -199,6 +203,7 @@ def _fit_response(
     response.prototypes_ = csr_matrix(rows[is_prototype])
     response.mean_, response.whitening_ = tensors["response.mean"], tensors["response.whitening"]
     response.largest_divergence_ = description["largest_divergence"]
+    check_response(response, rows)
 
 
 def _members(labels: NDArray[np.int32], n_concepts: int) -> list[NDArray[np.int64]]:

@@ -114,8 +114,9 @@ class MotifHierarchies:
     def support(self) -> NDArray[np.int64]:
         """Number of training objects that each vertex was seen in, (v,) int64."""
         objects = np.repeat(self.prototype_objects, self.n_levels)
-        seen = np.unique(np.stack([self.prototype_vertices.ravel(), objects]), axis=1)
-        return np.bincount(seen[0], minlength=self.n_vertices)
+        # One number for each pair: pairs take longer to sort.
+        seen = np.unique(self.prototype_vertices.ravel() * np.int64(self.n_objects) + objects)
+        return np.bincount(seen // max(self.n_objects, 1), minlength=self.n_vertices)
 
     @cached_property
     def prototype_entropies(self) -> NDArray[np.float64]:

@@ -17,6 +17,8 @@ DISTANCES = (0.6, 1.6)
 DISTANCE_LIMITS = (0.4, 8.0)
 EXTENT_LIMITS = (0.005, 6.0)
 
+# Metres from the origin. Much farther out, rounding leaves nothing of a mesh, and sums overflow.
+_FARTHEST_VERTEX = 1e9
 _NEAREST_VERTEX = 0.1
 # Triangles whose corners are copied at a time.
 _AT_ONCE = 2**16
@@ -151,6 +153,12 @@ def _checked_mesh(
     vertices, faces = vertices[used], np.take(np.cumsum(used) - 1, faces)
     if not np.isfinite(vertices).all():
         raise ScanError(f"{title}: a face has a vertex with a coordinate that is not finite")
+    farthest = np.abs(vertices).max()
+    if farthest > _FARTHEST_VERTEX:
+        raise ScanError(
+            f"{title}: a face has a vertex with the coordinate {farthest:g}, expected at most "
+            f"{_FARTHEST_VERTEX:g} m"
+        )
     extent = np.linalg.norm(np.ptp(vertices, axis=0))
     if not EXTENT_LIMITS[0] <= extent <= EXTENT_LIMITS[1]:
         raise ScanError(
