@@ -231,7 +231,8 @@ def test_a_page_says_how_its_time_was_chosen(browser, tmp_path, heat, stop):
 def test_hostile_names_do_nothing(browser, tmp_path):
     path = tmp_path / "r.html"
     unread = [(name, name) for name in HOSTILE]
-    write_report(path, hostile_model(), [preview(ball(), 50)] * 40, unread=unread, title=HOSTILE[0])
+    shown, reading = [preview(ball(), 50)] * 40, {"--mask": HOSTILE[0]}
+    write_report(path, hostile_model(), shown, unread=unread, title=HOSTILE[0], reading=reading)
     reader = Reader(browser, path)
     page = reader.page
     page.evaluate("document.querySelectorAll('.more').forEach(button => button.click())")
@@ -239,6 +240,7 @@ def test_hostile_names_do_nothing(browser, tmp_path):
     assert page.evaluate("window.attacked") is None
     assert page.locator("h1").inner_text() == HOSTILE[0]
     assert page.locator("#left-out th").first.text_content() == HOSTILE[0]
+    assert page.locator("#made td").first.text_content() == HOSTILE[0]
     assert page.locator("img").count() == 0
     assert reader.complaints == [] and reader.requests == [path.as_uri()]
 

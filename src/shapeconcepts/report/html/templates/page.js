@@ -101,6 +101,7 @@ function fillLeftOut(section) {
 
 function fillMade(section) {
   section.append(element("h2", { textContent: "How this was made" }),
+    contents.reading.length ? table("Options for reading the scans", contents.reading) : "",
     table(`shapeconcepts ${contents.version}, with these parameters`, contents.parameters),
     element("p", { className: "quiet", textContent: "The method is that of C. A. Mueller and A. Birk, Conceptualization of Object "
       + "Compositions Using Persistent Homology, IROS 2018. This file needs no network." }));
