@@ -88,6 +88,8 @@ def test_contents_say_what_the_model_learned(tmp_path):
     assert scores == sorted(scores, reverse=True)
     assert contents["scans"]["vertices"][7] == -1
     assert contents["scans"]["previews"][5] is None and len(contents["scans"]["previews"][0]) <= 160
+    assert contents["scans"]["sides"][5] is None
+    assert contents["scans"]["sides"][0] == pytest.approx([0.1, 0.1, 0.05], rel=0.03)
     assert contents["reading"] == []
     assert contents["filtration"]["conceptTime"] == 1.0
     n_edges = len(contents["filtration"]["edges"]) + len(contents["filtration"]["edgesBetween"])

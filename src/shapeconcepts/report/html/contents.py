@@ -71,6 +71,7 @@ def _scans(
         "previews": [one and base64.b64encode(one.to_bytes()).decode("ascii") for one in thinned],
         "extents": [one and round(one.extent, 4) for one in thinned],
         "spacings": [one and round(one.spacing, 5) for one in thinned],
+        "sides": [one and [float(f"{side:.3g}") for side in one.sides] for one in thinned],
     }
 
 
