@@ -113,7 +113,7 @@ function followSelection(bar) {
     bar.hidden = rank === null;
     if (rank === null) return;
     const go = (id) => () => document.getElementById(id).scrollIntoView({ behavior: "smooth" });
-    bar.replaceChildren(element("span", { className: "key", style: { background: conceptColour(rank) } }), named(conceptName(rank)),
+    bar.replaceChildren(element("span", { className: "key", style: { background: conceptColour(rank) } }), oneLine(conceptName(rank)),
       element("span", { className: "quiet", textContent: plural(concepts[rank].members.length, "scan") }),
       element("button", { textContent: "figures", onclick: go("how") }),
       element("button", { textContent: "its scans", onclick: go(`concept-${rank}`) }),
