@@ -9,6 +9,7 @@ from shapeconcepts.segmentation import SegmentedObject
 
 # Segments from large to small whose normals may be an axis.
 _LARGEST_SEGMENTS = 3
+# Of a quarter turn.
 _STEPS = 45
 
 
