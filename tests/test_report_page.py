@@ -7,9 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from report_models import HOSTILE, WITHOUT_CONCEPTS, ball, grouped_stimuli, hostile_model, model_of
+from shapeconcepts.cli import app
+from shapeconcepts.io.write_pcd import write_pcd
 from shapeconcepts.report.html import preview, write_report
+from shapeconcepts.scan import Scan
 
 
 class Page(HTMLParser):
@@ -40,13 +44,16 @@ class Page(HTMLParser):
 def test_hostile_names_stay_text(tmp_path):
     model = hostile_model()
     unread = [(name, name) for name in HOSTILE]
-    write_report(tmp_path / "r.html", model, [None] * 40, unread=unread, title=HOSTILE[0] + HOSTILE[6])
+    reading = dict.fromkeys(HOSTILE, HOSTILE[0])
+    title = HOSTILE[0] + HOSTILE[6]
+    write_report(tmp_path / "r.html", model, [None] * 40, unread=unread, title=title, reading=reading)
     page = Page(tmp_path / "r.html")
     assert [tag for tag, _ in page.tags].count("script") == 2
     assert [tag for tag, _ in page.tags].count("img") == 0
     contents = page.contents
     assert contents["scans"]["names"] == [name or f"scan {i}" for i, name in enumerate(model.scan_names_)]
     assert contents["unread"] == [list(pair) for pair in unread]
+    assert contents["reading"] == [list(pair) for pair in reading.items()]
     assert contents["skipped"] == [[HOSTILE[3], HOSTILE[0]]]
     assert HOSTILE[0] in [concept["name"] for concept in contents["concepts"]]
     assert page.text_of("title")[0].startswith(HOSTILE[0])
@@ -81,6 +88,9 @@ def test_contents_say_what_the_model_learned(tmp_path):
     assert scores == sorted(scores, reverse=True)
     assert contents["scans"]["vertices"][7] == -1
     assert contents["scans"]["previews"][5] is None and len(contents["scans"]["previews"][0]) <= 160
+    assert contents["scans"]["sides"][5] is None
+    assert contents["scans"]["sides"][0] == pytest.approx([0.1, 0.1, 0.05], rel=0.03)
+    assert contents["reading"] == []
     assert contents["filtration"]["conceptTime"] == 1.0
     n_edges = len(contents["filtration"]["edges"]) + len(contents["filtration"]["edgesBetween"])
     assert sum(contents["filtration"]["stepCounts"]) == n_edges
@@ -119,3 +129,25 @@ def test_wrong_number_of_previews_leaves_the_old_file(tmp_path):
     with pytest.raises(ValueError, match="previews must hold one for each of the 2 training scans, got 3"):
         write_report(tmp_path / "r.html", model_of(np.eye(2)), [None] * 3)
     assert (tmp_path / "r.html").read_text() == "old"
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ([], []),
+        (["--depth-scale", "0.001"], []),
+        (["--no-scenes", "--voxel-size", "0.004"], [["--scenes", "no"], ["--voxel-size", "0.004"]]),
+        (
+            ["--views", "1", "--depth-scale", "0.0002", "--intrinsics", "500,500,320,240"],
+            [["--intrinsics", "500,500,320,240"], ["--depth-scale", "0.0002"], ["--views", "1"]],
+        ),
+    ],
+    ids=["none", "default given", "point clouds", "depth images and meshes"],
+)
+def test_the_page_tells_how_scans_were_read_where_not_by_default(tmp_path, options, told):
+    for i in range(4):
+        write_pcd(tmp_path / f"{i}.pcd", Scan(ball(seed=i).points))
+    command = ["learn", tmp_path, "--model", tmp_path / "m", "--report", tmp_path / "r.html", "--no-cache"]
+    result = CliRunner().invoke(app, [str(argument) for argument in [*command, *options]])
+    assert result.exit_code == 0, result.output
+    assert Page(tmp_path / "r.html").contents["reading"] == told

@@ -1,12 +1,17 @@
 """The report's small version of a scan."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 
 from report_models import ball, segmented, shuffled
 from shapeconcepts.report.html import ScanPreview, preview
+from shapeconcepts.report.html.object_size import object_sides
 from shapeconcepts.report.html.scan_preview import NO_SEGMENT
+from shapeconcepts.segmentation import SegmentedObject
 
 
 def places(shown: ScanPreview) -> np.ndarray:
@@ -64,6 +69,8 @@ def test_degenerate_scans(points):
     assert 1 <= len(shown.positions) <= 400
     assert set(shown.segments) == {NO_SEGMENT}
     assert np.isfinite([shown.extent, shown.spacing]).all() and shown.spacing > 0
+    diagonal = np.linalg.norm(np.ptp(points, axis=0))
+    assert np.linalg.norm(shown.sides) == pytest.approx(diagonal, rel=1e-6, abs=1e-9)
 
 
 def test_more_segments_than_elements():
@@ -80,8 +87,42 @@ def test_thinned():
     few = shown.thinned(100)
     assert len(few.positions) == 100 and len(few.to_bytes()) == 600
     assert few.spacing > shown.spacing
+    assert few.sides == shown.sides
 
 
 def test_no_points_asked_for():
     with pytest.raises(ValueError, match="n_points must be at least 1, got 0"):
         preview(ball(), 0)
+
+
+def crate(sides: tuple[float, float, float], seed: int) -> SegmentedObject:
+    """The three faces of a box that are seen from a corner, lying anyhow."""
+    rng = np.random.default_rng(seed)
+    points = rng.random((3, 1000, 3)) * sides
+    points[range(3), :, range(3)] = np.array(sides)[:, None]
+    turn = Rotation.random(random_state=seed)
+    normals = np.repeat(np.eye(3), 1000, axis=0)
+    return segmented(turn.apply(points.reshape(-1, 3)), turn.apply(normals), np.repeat(np.arange(3), 1000))
+
+
+@pytest.mark.parametrize(
+    "sides", [(0.081, 0.06, 0.022), (0.1, 0.1, 0.1), (81.0, 60.0, 22.0), (0.3, 0.01, 0.01)]
+)
+@pytest.mark.parametrize("seed", range(3))
+def test_size_of_a_box_is_that_of_its_edges(sides, seed):
+    assert object_sides(crate(sides, seed)) == pytest.approx(sides, rel=0.05, abs=0.02 * sides[0])
+
+
+def test_size_without_segments_is_that_of_what_is_there():
+    points = np.random.default_rng(0).random((1000, 3)) * (0.2, 0.1, 0.01)
+    turned = Rotation.random(random_state=0).apply(points)
+    unsegmented = segmented(turned, turned, np.full(1000, -1))
+    assert object_sides(unsegmented) == pytest.approx((0.2, 0.1, 0.01), abs=0.003)
+
+
+@pytest.mark.parametrize("distance", [1.0, 1e6])
+def test_a_far_stray_point_does_not_count_for_the_size(distance):
+    scan = ball()
+    points = scan.points.copy()
+    points[:3] += (distance, 0, 0)
+    assert object_sides(dataclasses.replace(scan, points=points)) == pytest.approx((0.1, 0.1, 0.05), rel=0.03)

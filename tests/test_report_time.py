@@ -64,7 +64,7 @@ def test_annexations_per_step(heat, stop):
 @pytest.mark.parametrize("kind", WITHOUT_CONCEPTS)
 def test_an_axis_for_every_filtration(kind):
     model = model_of(WITHOUT_CONCEPTS[kind])
-    contents = report_contents(model, [None] * len(WITHOUT_CONCEPTS[kind]), [], "")["filtration"]
+    contents = report_contents(model, [None] * len(WITHOUT_CONCEPTS[kind]), [], "", {})["filtration"]
     assert contents["axisEnds"] is None or 0 < contents["axisEnds"][0] < contents["axisEnds"][1] < 1
     assert sum(contents["stepCounts"]) == len(contents["edges"]) + len(contents["edgesBetween"])
     assert all(0 <= heat <= 1 for heat in contents["heat"])
@@ -73,7 +73,7 @@ def test_an_axis_for_every_filtration(kind):
 def test_a_scan_is_the_hotter_the_later_it_has_a_neighbour():
     model = model_of(grouped_stimuli(50, 4)[0])
     filtration = model.filtration_
-    contents = report_contents(model, [None] * 50, [], "")["filtration"]
+    contents = report_contents(model, [None] * 50, [], "", {})["filtration"]
     first = [
         min(t for t, e in zip(filtration.times_, filtration.edges_, strict=True) if v in e) for v in range(50)
     ]

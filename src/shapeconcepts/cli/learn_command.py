@@ -203,7 +203,17 @@ def learn(
         collection = _collect(sources, reader, jobs, strict)
         with busy("Learning concepts"), warnings_said():
             learner.fit(collection.described)
-        _write(learner, collection, model, report)
+        told = _told_by_the_report(
+            {
+                "--intrinsics": (intrinsics, None),
+                "--depth-scale": (depth_scale, 0.001),
+                "--mask": (mask, None),
+                "--views": (views, None),
+                "--scenes": (None if scenes is None else "yes" if scenes else "no", None),
+                "--voxel-size": (voxel_size, None),
+            }
+        )
+        _write(learner, collection, model, report, told)
     if as_json:
         skipped = [{"name": name, "reason": reason} for name, reason in collection.skipped]
         paths = {"model": str(model), "report": None if report is None else str(report)}
@@ -255,7 +265,18 @@ def _collect(
     return collection
 
 
-def _write(learner: ShapeConceptModel, collection: _Collection, model: Path, report: Path | None) -> None:
+def _told_by_the_report(reading_options: dict[str, tuple[object, object]]) -> dict[str, str]:
+    """Text of each option whose value, the first of the pair, is not its default, the second."""
+    return {option: str(value) for option, (value, default) in reading_options.items() if value != default}
+
+
+def _write(
+    learner: ShapeConceptModel,
+    collection: _Collection,
+    model: Path,
+    report: Path | None,
+    reading_told: dict[str, str],
+) -> None:
     """Write model and report: both or, where one of them cannot be written, none."""
     from shapeconcepts.io.atomic_write import written_together
     from shapeconcepts.report.html import write_report
@@ -266,6 +287,12 @@ def _write(learner: ShapeConceptModel, collection: _Collection, model: Path, rep
             learner.save(model)
             if report is not None:
                 with busy("Writing the report"):
-                    write_report(report, learner, collection.previews, unread=collection.skipped)
+                    write_report(
+                        report,
+                        learner,
+                        collection.previews,
+                        unread=collection.skipped,
+                        reading=reading_told,
+                    )
     except OSError as error:
         fail(f"cannot write {' and '.join(map(str, paths))}: {error.strerror or error}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,7 @@ def report_contents(
     previews: Sequence[ScanPreview | None],
     unread: Sequence[tuple[str, str]],
     title: str,
+    reading: Mapping[str, str],
 ) -> dict[str, Any]:
     """Everything that the page needs, ready for JSON.
 
@@ -42,6 +43,7 @@ def report_contents(
     return {
         "title": title,
         "version": __version__,
+        "reading": [[option, text] for option, text in reading.items()],
         "parameters": [[name, _shown(value)] for name, value in model.get_params(deep=False).items()],
         "segmentColours": [_hexadecimal(c) for c in [*SEGMENT_COLOURS, NO_SEGMENT_COLOUR]],
         "labels": labels,
@@ -69,6 +71,7 @@ def _scans(
         "previews": [one and base64.b64encode(one.to_bytes()).decode("ascii") for one in thinned],
         "extents": [one and round(one.extent, 4) for one in thinned],
         "spacings": [one and round(one.spacing, 5) for one in thinned],
+        "sides": [one and [float(f"{side:.3g}") for side in one.sides] for one in thinned],
     }
 
 

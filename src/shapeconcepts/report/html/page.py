@@ -6,7 +6,7 @@ import base64
 import hashlib
 import html
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from os import PathLike
 from pathlib import Path
@@ -41,6 +41,7 @@ def write_report(
     *,
     unread: Sequence[tuple[str, str]] = (),
     title: str = "Shape concepts",
+    reading: Mapping[str, str] | None = None,
 ) -> None:
     """Write a page that tells what a model learned, and how.
 
@@ -58,6 +59,8 @@ def write_report(
         Files that could not be read, each with the reason.
     title : str
         Heading of the page.
+    reading : mapping of str to str, optional
+        Options that say how the scans were read, where they are not the defaults, and what each was.
 
     Raises
     ------
@@ -71,7 +74,7 @@ def write_report(
             f"previews must hold one for each of the {len(model.scan_names_)} training scans, "
             f"got {len(previews)}"
         )
-    contents = report_contents(model, previews, unread, title)
+    contents = report_contents(model, previews, unread, title, reading or {})
     write_atomically(Path(path), _document(contents, title))
 
 

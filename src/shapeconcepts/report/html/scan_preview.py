@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.report.camera import view_axes
+from shapeconcepts.report.html.object_size import object_sides
 from shapeconcepts.report.palette import SEGMENT_COLOURS
 from shapeconcepts.segmentation import SegmentedObject
 
@@ -32,6 +33,8 @@ class ScanPreview:
         Longest side of the object's bounding box in this frame, metres.
     spacing : float
         Edge length of the cells that the elements stand for, metres.
+    sides : tuple of 3 float
+        Size of the object along axes of its own, the longest first, metres.
     """
 
     positions: NDArray[np.uint8]
@@ -40,6 +43,7 @@ class ScanPreview:
     sizes: NDArray[np.uint8]
     extent: float
     spacing: float
+    sides: tuple[float, float, float]
 
     def to_bytes(self) -> bytes:
         """Six bytes for each element: position, normal, and 16 times its size plus its segment."""
@@ -51,13 +55,13 @@ class ScanPreview:
         if n <= n_points:
             return self
         kept = np.arange(n_points) * n // n_points
-        return ScanPreview(
-            self.positions[kept],
-            self.normals[kept],
-            self.segments[kept],
-            self.sizes[kept],
-            self.extent,
-            self.spacing * float(np.sqrt(n / n_points)),
+        return replace(
+            self,
+            positions=self.positions[kept],
+            normals=self.normals[kept],
+            segments=self.segments[kept],
+            sizes=self.sizes[kept],
+            spacing=self.spacing * float(np.sqrt(n / n_points)),
         )
 
 
@@ -105,6 +109,7 @@ def preview(segmented: SegmentedObject, n_points: int = 400) -> ScanPreview:
         np.rint(15 * np.minimum(np.sqrt(counts / np.median(counts)), 1)).astype(np.uint8),
         extent,
         spacing,
+        object_sides(segmented),
     )
 
 

@@ -5,12 +5,13 @@ function gallery(group, firstNote) {
   const grid = element("div", { className: "gallery" });
   const figure = (scan, at) => {
     const label = scans.labels[scan];
-    const made = element("figure", { tabIndex: at === 0 ? 0 : -1, role: "button", ariaLabel: scans.names[scan] },
+    const made = element("figure", { tabIndex: at === 0 ? 0 : -1, role: "button", 
+      ariaLabel: [scans.names[scan], shownSize(scan)].filter(Boolean).join(", ") },
       scans.previews[scan] === null ? element("div", { className: "scan missing", textContent: "no picture" })
         : scanCanvas(scan, () => openViewer(group, at)),
       element("figcaption", {},
         label < 0 ? "" : element("span", { className: "key", title: labels[label], style: { background: labelColour(label) } }),
-        element("span", { className: "tail" }, named(scans.names[scan]))));
+        oneLine(scans.names[scan]), sizeLine(scan)));
     if (at === 0 && firstNote) made.append(element("span", { className: "badge", textContent: firstNote }));
     return made;
   };
@@ -71,7 +72,7 @@ function fillConcepts(section) {
   section.append(element("h2", { textContent: "The concepts, one by one" }),
     element("p", { textContent: `${hasLabels ? "The best rank score" : "The largest size × lifetime"} first. In each, the medoid leads and the others `
       + "follow by how much they are like it, so the odd ones out stand last. One colour is one surface that the scan "
-      + "was cut into. Drag to turn, click to enlarge." }),
+      + "was cut into. Below each scan stand its name and its size along three axes of its own. Drag to turn, click to enlarge." }),
   ...concepts.map((_, rank) => conceptCard(rank)));
 }
 

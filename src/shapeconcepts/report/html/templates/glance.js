@@ -4,7 +4,8 @@ function overviewTile(rank) {
   const tile = element("div", { className: "tile", style: { "--colour": conceptColour(rank) } },
     scanCanvas(concept.members[0], () => openViewer(concept.members, 0)),
     element("button", { className: "tile-name", onclick: () => toggle(rank) },
-      named(conceptName(rank)),
+      oneLine(conceptName(rank)),
+      sizeLine(concept.members[0]),
       element("span", { className: "quiet", textContent: plural(concept.members.length, "scan") }),
       hasLabels ? mixBar(concept) : ""));
   follows(tile, rank);
@@ -53,7 +54,7 @@ function rankedBars() {
 
 function legend(entries, text = "") {
   return element("p", { className: "legend" }, text, ...entries.map(([colour, text]) => element("span", {},
-    element("span", { className: "key", style: { background: colour } }), named(text))));
+    element("span", { className: "key", style: { background: colour } }), oneLine(text))));
 }
 
 function fillGlance(section) {

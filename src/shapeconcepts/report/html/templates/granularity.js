@@ -35,9 +35,11 @@ function granularityFigure() {
     bar.append(svg("rect", { x: left + 0.5, y: tops[i] + 0.5, width: Math.max(wide - 1, 0.5), height: Math.max(heights[i] - 1, 0.5), rx: 2,
       fill: group.rank < 0 ? "#d9dce4" : conceptColour(group.rank), "fill-opacity": group.rank < 0 || group.isConcept ? 1 : 0.45 }));
     const name = group.isConcept ? conceptName(group.rank) : "";
-    const said = [name, plural(group.size, "scan"), group.label >= 0 ? `mostly ${labels[group.label]}` : ""].filter(Boolean).join(", ");
-    bar.append(svg("title", {}, said));
-    const shown = wide > 7 * said.length ? said : wide > 7 * String(group.size).length + 8 ? String(group.size) : "";
+    const said = (most) => [shortened(name, most), plural(group.size, "scan"),
+      group.label >= 0 ? `mostly ${shortened(labels[group.label], most)}` : ""].filter(Boolean).join(", ");
+    bar.append(svg("title", {}, said(Infinity)));
+    const shown = [Infinity, 30, 20, 12].map(said).find((text) => wide > 7 * text.length)
+      ?? (wide > 7 * String(group.size).length + 8 ? String(group.size) : "");
     if (shown && heights[i] >= 11) {
       bar.append(svg("text", { x: left + 6, y: tops[i] + heights[i] / 2, "dominant-baseline": "central",
         fill: group.rank < 0 || !group.isConcept ? "#1c2333" : textColour(conceptColour(group.rank)) }, shown));

@@ -101,6 +101,7 @@ function fillLeftOut(section) {
 
 function fillMade(section) {
   section.append(element("h2", { textContent: "How this was made" }),
+    contents.reading.length ? table("Options for reading the scans", contents.reading) : "",
     table(`shapeconcepts ${contents.version}, with these parameters`, contents.parameters),
     element("p", { className: "quiet", textContent: "The method is that of C. A. Mueller and A. Birk, Conceptualization of Object "
       + "Compositions Using Persistent Homology, IROS 2018. This file needs no network." }));
@@ -112,7 +113,7 @@ function followSelection(bar) {
     bar.hidden = rank === null;
     if (rank === null) return;
     const go = (id) => () => document.getElementById(id).scrollIntoView({ behavior: "smooth" });
-    bar.replaceChildren(element("span", { className: "key", style: { background: conceptColour(rank) } }), named(conceptName(rank)),
+    bar.replaceChildren(element("span", { className: "key", style: { background: conceptColour(rank) } }), oneLine(conceptName(rank)),
       element("span", { className: "quiet", textContent: plural(concepts[rank].members.length, "scan") }),
       element("button", { textContent: "figures", onclick: go("how") }),
       element("button", { textContent: "its scans", onclick: go(`concept-${rank}`) }),

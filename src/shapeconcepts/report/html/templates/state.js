@@ -86,6 +86,45 @@ function element(tag, properties = {}, ...children) {
   return made;
 }
 const named = (text, className = "") => element("bdi", { className, textContent: text, title: text });
+// A name on one line, whose middle is left out where it is too long: folders differ at the begin and files at the end.
+const oneLine = (text) => {
+  const made = named(text, "one-line");
+  placesOfNames.observe(made);
+  return made;
+};
+const ruler = document.createElement("canvas").getContext("2d");
+const placesOfNames = new ResizeObserver((places) => {
+  for (const { target, contentRect } of places) {
+    ruler.font = getComputedStyle(target).font;
+    const fits = (most) => ruler.measureText(shortened(target.title, most)).width <= contentRect.width + 0.5;
+    let [least, most] = [1, target.title.length];
+    if (fits(most)) least = most;
+    while (least < most) {
+      const middle = (least + most + 1) >> 1;
+      if (fits(middle)) least = middle; else most = middle - 1;
+    }
+    target.textContent = shortened(target.title, least);
+  }
+});
+function shortened(text, most) {
+  // Accents, which a Mac writes apart, stay with their letters. In little room the end has more: "031.npy" says which.
+  const letters = text.match(/.\p{M}*/gsu) ?? [], nLast = Math.max((most - 1) >> 1, Math.min(8, most - 4));
+  return letters.length <= most ? text
+    : `${letters.slice(0, most - 1 - nLast).join("")}…${letters.slice(letters.length - nLast).join("")}`;
+}
+// The unit is that of the longest side: a file in millimetres that was read as metres is seen at once.
+function shownSize(scan) {
+  const sides = scans.sides[scan];
+  if (sides === null) return "";
+  const [unit, metres] = sides[0] < 0.01 ? ["mm", 0.001] : sides[0] < 1 ? ["cm", 0.01] : ["m", 1];
+  const number = (side) => {
+    const value = side / metres;
+    const [least, most] = value < 0.95 ? [0, 2] : value < 9.95 ? [1, 1] : [0, 0];
+    return value.toLocaleString("en", { minimumFractionDigits: least, maximumFractionDigits: most });
+  };
+  return `${sides.map(number).join(" × ")}\u00a0${unit}`;
+}
+const sizeLine = (scan) => (scans.sides[scan] === null ? "" : element("span", { className: "size", textContent: shownSize(scan) }));
 const plural = (n, one, many = one + "s") => `${n.toLocaleString("en")} ${n === 1 ? one : many}`;
 const percent = (share) => `${Math.round(100 * share)} %`;
 

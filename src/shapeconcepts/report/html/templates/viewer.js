@@ -8,14 +8,13 @@ function openViewer(group, at) {
   canvas.yaw = canvas.pitch = 0;
   canvas.redraw = () => drawScan(canvas, scan, canvas.yaw, canvas.pitch);
   const label = scans.labels[scan] < 0 ? "" : `labelled “${labels[scans.labels[scan]]}”`;
-  const across = scans.extents[scan] ? `${Math.round(100 * scans.extents[scan])} cm across` : "";
   const where = rank < 0 ? "in no concept" : `in ${conceptName(rank)}`;
   const step = (by) => openViewer(group, (at + by + group.length) % group.length);
   viewer.replaceChildren(
     element("button", { className: "close", textContent: "×", ariaLabel: "Close", onclick: () => viewer.close() }),
     canvas,
     element("p", {}, named(scans.names[scan], "scan-name")),
-    element("p", { className: "quiet", textContent: [where, label, across].filter(Boolean).join(" · ") }),
+    element("p", { className: "quiet", textContent: [where, label, shownSize(scan)].filter(Boolean).join(" · ") }),
     group.length > 1 ? element("p", { className: "steps" },
       element("button", { textContent: "‹ previous", onclick: () => step(-1) }),
       element("span", { className: "quiet", textContent: `${at + 1} of ${group.length}` }),
@@ -55,6 +54,7 @@ function showTip(scan, clientX, clientY, note) {
         element("div", { className: "quiet" },
           element("span", { className: "key", style: { background: conceptColour(rank) } }),
           (rank < 0 ? "no concept" : conceptName(rank)) + label),
+        element("div", { className: "quiet", textContent: shownSize(scan) }),
         element("div", { className: "quiet", textContent: note })));
     if (scans.previews[scan] !== null) drawScan(canvas, scan, 0, 0);
     tipScan = scan;
