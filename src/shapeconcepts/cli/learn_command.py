@@ -206,11 +206,13 @@ def learn(
         told = _told_by_the_report(
             {
                 "--intrinsics": (intrinsics, None),
-                "--depth-scale": (depth_scale, 0.001),
+                "--depth-scale": (depth_scale, None),
                 "--mask": (mask, None),
                 "--views": (views, None),
                 "--scenes": (None if scenes is None else "yes" if scenes else "no", None),
                 "--voxel-size": (voxel_size, None),
+                "--units": (units, "m"),
+                "--up": (up, None),
             }
         )
         _write(learner, collection, model, report, told)

@@ -51,10 +51,10 @@ def read_text_table(data: bytes) -> Cloud:
     if table.titles and not names:
         _refuse_other_names(table.titles[-1], delimiter, n_columns)
     points = number_table(rows, [names.index(axis) for axis in "xyz"] if names else [0, 1, 2], delimiter)
-    if not is_open and len(rows[-1].split(delimiter)) != n_columns:
-        raise ScanError(f"is truncated: the first point has {n_columns} columns, the last one another number")
     if not names:
         _refuse_counted(points[:, 0])
+    if not is_open and len(rows[-1].split(delimiter)) != n_columns:
+        raise ScanError(f"is truncated: the first point has {n_columns} columns, the last one another number")
     label = next((names.index(name) for name in LABEL_NAMES if name in names), None)
     labels, notices = labels_or_notice(
         lambda: None if label is None else number_table(rows, [label], delimiter).ravel()
