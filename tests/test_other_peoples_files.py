@@ -242,7 +242,9 @@ def test_labels_that_are_no_scene(tmp_path):
     result = run("segment", tmp_path / "scenes", "--json")
     found = json.loads(result.stdout)["scans"]
     assert [(scan["name"], scan["n_points"]) for scan in found] == [(f"{i}/2", 3600) for i in range(3)]
-    assert "3 of 3 scans: 0/2 is an object of a scene that point labels tell apart" in result.stderr
+    assert (
+        "3 of 3 scans: 0/2, 1/2, 2/2: is an object of a scene that point labels tell apart" in result.stderr
+    )
     result = run("segment", tmp_path / "scenes", "--json", "--no-scenes")
     assert [scan["n_points"] for scan in json.loads(result.stdout)["scans"]] == [7200] * 3
 

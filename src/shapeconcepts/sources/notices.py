@@ -17,13 +17,21 @@ def in_few_words(notices: Iterable[tuple[str, str]], n_scans: int) -> list[str]:
     n_scans : int
         How many scans there are.
     """
-    found: dict[str, list[str]] = {}
+    found: dict[str, list[tuple[str, str]]] = {}
     for name, notice in notices:
         what, _, advice = notice.partition(": ")
-        found.setdefault(advice or what, []).append(f"{name} {what}")
+        found.setdefault(advice, []).append((name, what))
     sentences = []
     for advice, scans in found.items():
-        examples = "; ".join(scans[:_NAMED]) + ("; ..." if len(scans) > _NAMED else "")
         count = f"{len(scans)} of {n_scans} scans: " if n_scans > 1 else ""
-        sentences.append(f"{count}{examples}: {advice}")
+        sentences.append(f"{count}{_examples(scans)}" + (f": {advice}" if advice else ""))
     return sentences
+
+
+def _examples(scans: list[tuple[str, str]]) -> str:
+    """The first scans with what each is; once where it is the same."""
+    first, more = scans[:_NAMED], len(scans) > _NAMED
+    if len({what for _, what in scans}) > 1:
+        return "; ".join(f"{name} {what}" for name, what in first) + "; ..." * more
+    colon = ":" if len(scans) > 1 else ""
+    return ", ".join(name for name, _ in first) + ", ..." * more + f"{colon} {first[0][1]}"
