@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from shapeconcepts import ScanError, ScanWarning, read_scan, read_scans, segment
 from shapeconcepts.cli import app
+from shapeconcepts.scan import measured_rows
 from shapeconcepts.sources import find_scan_files, iter_scans
 
 GRID = np.stack(np.meshgrid(np.arange(60), np.arange(60)), -1).reshape(-1, 2) * 0.002 - 0.06
@@ -336,6 +337,14 @@ def test_missing_points_count_nowhere_however_they_are_written():
         np.testing.assert_array_equal(other.points, plain.points)
         np.testing.assert_array_equal(other.segment_labels, plain.segment_labels)
         assert (other.point_to_voxel[7200:] == -1).all()
+
+
+def test_a_single_point_at_the_origin_is_missing_but_among_others():
+    cloud = BOX - BOX[100]
+    assert measured_rows(cloud).all()
+    assert measured_rows(np.vstack([BOX, [[0, 0, 0]]])).tolist() == [True] * 7200 + [False]
+    assert measured_rows(np.vstack([cloud, [[0, 0, 0]]])).sum() == 7199
+    assert measured_rows(np.zeros((3, 3))).all() and not measured_rows(np.full((2, 3), np.nan)).any()
 
 
 TABLES = {

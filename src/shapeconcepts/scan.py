@@ -11,6 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from shapeconcepts.printable import printable
 
+# Parts of the diagonal that a point may be outside of the box around all others.
+_AMONG = 0.1
+
 
 class ScanError(ValueError):
     """A scan that cannot be used; the message names the file or scan and the reason.
@@ -58,15 +61,27 @@ def scan_errors(name: str, step: str) -> Iterator[None]:
 def measured_rows(points: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Points (n, 3) that were measured, (n,) bool.
 
-    Missing measurements are NaN, infinite, or, as many sensors write them, exactly at the origin. Where
-    nothing but the origin is left, it is a point.
+    Missing measurements are NaN, infinite, or, as many sensors write them, exactly at the origin. A single
+    point there is one if it lies among the others, as in clouds around the origin, or alone.
     """
     # Ten times faster than all(axis=1).
     x, y, z = np.isfinite(points).T
     finite = x & y & z
     x, y, z = points.T != 0.0
     measured = finite & (x | y | z)
-    return measured if measured.any() else finite
+    n_at_origin = int(finite.sum() - measured.sum())
+    if n_at_origin == 0:
+        return measured
+    if not measured.any() or (n_at_origin == 1 and _origin_is_among(points[measured])):
+        return finite
+    return measured
+
+
+def _origin_is_among(points: NDArray[np.float64]) -> bool:
+    """Whether the origin lies in the bounding box of points, or next to it."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = _AMONG * float(np.linalg.norm(high - low))
+    return bool(((low - margin <= 0.0) & (high + margin >= 0.0)).all())
 
 
 def whole_numbers(values: ArrayLike) -> NDArray[np.int64]:
