@@ -271,3 +271,23 @@ def test_divergence_of_what_shares_nothing_is_one():
     np.testing.assert_allclose(
         response.transform(new), [[0, 1], [1, 1], [of_half, 1], [np.nan, np.nan]], atol=1e-15
     )
+
+
+def test_a_sample_stands_for_many_training_rows():
+    rng = np.random.default_rng(3)
+    rows = csr_matrix(rng.dirichlet(np.ones(12), 3000))
+    labels = np.repeat([0, 1, 2, -1], [2500, 300, 100, 100])
+    order = rng.permutation(3000)
+    rows, labels = rows[order], labels[order]
+    all_of_them = ConceptResponse(max_prototypes=3000).fit(rows, labels)
+    assert np.array_equal(all_of_them.prototype_rows_, np.flatnonzero(labels >= 0))
+    few = ConceptResponse(max_prototypes=580).fit(rows, labels)
+    assert np.bincount(few.prototype_concepts_).tolist() == [500, 64, 64]
+    assert np.array_equal(labels[few.prototype_rows_], few.prototype_concepts_)
+    np.testing.assert_allclose(few.prototypes_.toarray(), rows[few.prototype_rows_].toarray())
+    new = rng.dirichlet(np.ones(12), 50)
+    assert np.abs(few.transform(new) - all_of_them.transform(new)).max() < 0.05
+    # The same rows in another order.
+    again = rng.permutation(3000)
+    other = ConceptResponse(max_prototypes=580).fit(rows[again], labels[again])
+    assert sorted(again[other.prototype_rows_].tolist()) == few.prototype_rows_.tolist()

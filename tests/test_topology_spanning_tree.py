@@ -5,11 +5,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
+from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
 from sklearn.cluster import AgglomerativeClustering
 
 from shapeconcepts import TopologicalSpace
-from topology_reference import kruskal, random_rows, random_tree, rows_of_tree, slow_divergences, uniform_rows
+from shapeconcepts.topology import jensen_shannon_divergences
+from shapeconcepts.topology.sample import draws, sampled
+from topology_reference import (
+    components,
+    kruskal,
+    random_rows,
+    random_tree,
+    rows_of_tree,
+    slow_divergences,
+    uniform_rows,
+)
 
 
 def tree_edges(space: TopologicalSpace) -> list[tuple[int, int]]:
@@ -200,3 +211,54 @@ def test_bad_input(bad):
         TopologicalSpace().fit(np.empty((0, 3)))
     with pytest.raises(ValueError, match="Expected 2D array"):
         TopologicalSpace().fit([1.0, 2.0])
+
+
+@given(st.integers(0, 10**6), st.integers(2, 30))
+@settings(deadline=None, max_examples=40)
+def test_beyond_a_size_the_tree_is_that_of_a_sample(seed, max_vertices):
+    rng = np.random.default_rng(seed)
+    rows = rng.dirichlet(np.full(6, 0.3), int(rng.integers(1, 60)))
+    rows[rows < 0.02] = 0
+    exact, space = TopologicalSpace().fit(rows), TopologicalSpace(max_vertices).fit(rows)
+    n = len(exact.multiplicities_)
+    np.testing.assert_array_equal(space.vertices_, exact.vertices_)
+    if n <= max_vertices:
+        np.testing.assert_array_equal(space.edges_, exact.edges_)
+        return
+    # A tree of all, in which each vertex beyond the sample hangs on its nearest in the sample.
+    assert len(space.edges_) == n - 1 and len(components(space.edges_.tolist(), n)) == 1
+    sample = set(sampled(draws(space.rows_), max_vertices).tolist())
+    divergences = jensen_shannon_divergences(space.rows_)
+    of_edges = divergences[tuple(space.edges_.T)]
+    np.testing.assert_allclose(space.divergences_, of_edges, atol=1e-9)
+    for vertex in set(range(n)) - sample:
+        [hangs_on] = [set(edge) - {vertex} for edge in space.edges_.tolist() if vertex in edge]
+        assert hangs_on <= sample
+        nearest = divergences[vertex, sorted(sample)].min()
+        assert divergences[vertex, hangs_on.pop()] <= nearest + 1e-9
+    inner = TopologicalSpace().fit(space.rows_[sorted(sample)])
+    within = [i for i, edge in enumerate(space.edges_.tolist()) if set(edge) <= sample]
+    np.testing.assert_allclose(np.sort(space.divergences_[within]), np.sort(inner.divergences_), atol=1e-9)
+    # Whatever the order of the rows.
+    order = rng.permutation(len(rows))
+    other = TopologicalSpace(max_vertices).fit(rows[order])
+    np.testing.assert_array_equal(other.edges_, space.edges_)
+    np.testing.assert_array_equal(other.vertices_, space.vertices_[order])
+
+
+def test_a_sample_follows_how_frequent_rows_are():
+    rng = np.random.default_rng(0)
+    rows = csr_matrix(rng.dirichlet(np.ones(20), 4000))
+    drawn = draws(rows)
+    assert len(np.unique(drawn)) > 3990 and (drawn >= 0).all() and (drawn < 2**32).all()
+    order = rng.permutation(4000)
+    np.testing.assert_array_equal(draws(csr_matrix(rows[order])), drawn[order])
+    chosen = sampled(drawn, 1000)
+    assert len(chosen) == 1000 and (np.diff(chosen) > 0).all()
+    # Of what lies on either side of a plane, a quarter each, but for chance.
+    side = np.asarray(rows[:, 0].todense()).ravel() > 0.05
+    assert abs(side[chosen].mean() - side.mean()) < 0.05
+    # What last bits differ in is the same.
+    shaken = rows.copy()
+    shaken.data *= 1 + 1e-12 * rng.normal(size=rows.nnz)
+    assert (draws(shaken) == drawn).mean() > 0.999

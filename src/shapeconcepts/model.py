@@ -270,28 +270,39 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         check_is_fitted(self, "response_")
         check_integer("n_groups", n_groups, 1)
         tree = self.filtration_.group_tree().coarsest(n_groups)
-        members = np.flatnonzero(self.labels_ >= 0)
+        members = self.response_.prototype_rows_
         described = None if X is None else self._described(X)
         stimuli = self.stimuli_ if described is None else self._rows(described, self.ensemble_.transform)
         own = np.arange(len(self.labels_)) if described is None else np.full(len(described), -1)
         by_stimuli = self.response_.distances(stimuli)
-        by_whole = self._whole_divergences(described)[:, self._concept_of_object >= 0]
+        by_whole = self._whole_divergences(described, members)
         return np.concatenate(
             [tree.mean_distances(distances, members, own) for distances in (by_stimuli, by_whole)], axis=1
         )
 
-    def _whole_divergences(self, described: list[DescribedObject | None] | None) -> NDArray[np.float64]:
-        """Of whole objects, None for those learned from, from all these; NaN where none is described."""
-        known = self.ensemble_.hierarchies_.object_histograms
+    def _whole_divergences(
+        self, described: list[DescribedObject | None] | None, members: NDArray[np.int64]
+    ) -> NDArray[np.float64]:
+        """Of whole objects from those of some training scans; NaN where none is described.
+
+        Parameters
+        ----------
+        described : list of (DescribedObject or None), or None
+            None: all training scans.
+        members : (p,) int64
+            Training scans, none of them skipped.
+        """
+        is_object = ~np.isin(np.arange(len(self.labels_)), list(self.skipped_))
+        histograms = self.ensemble_.hierarchies_.object_histograms
+        known = histograms[np.cumsum(is_object)[members] - 1]
         if described is None:
-            usable = ~np.isin(np.arange(len(self.labels_)), list(self.skipped_))
-            divergences = jensen_shannon_divergences(known)
+            usable, rows = is_object, histograms
         else:
             usable = np.array([one is not None for one in described], bool)
-            rows = [one.description.whole().astype(known.dtype) for one in described if one]
-            divergences = jensen_shannon_divergences(np.array(rows) if rows else known[:0], known)
+            whole = [one.description.whole().astype(known.dtype) for one in described if one]
+            rows = np.array(whole) if whole else known[:0]
         all_rows = np.full((len(usable), len(known)), np.nan)
-        all_rows[usable] = divergences
+        all_rows[usable] = jensen_shannon_divergences(rows, known)
         return all_rows
 
     def predict(self, X: Iterable[object]) -> NDArray[np.int64]:

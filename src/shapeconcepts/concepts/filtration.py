@@ -35,6 +35,10 @@ if TYPE_CHECKING:
     import networkx
 
 
+# Of so many times the vertices that are compared pair by pair, the exact tree takes about as long as they do.
+_EXACT_TREE = 4
+
+
 class Filtration(ClusterMixin, BaseEstimator):
     """Lets the objects of a topological space annex each other along the edges of its tree.
 
@@ -62,8 +66,9 @@ class Filtration(ClusterMixin, BaseEstimator):
         average, as 1 minus their divergence, 0 (coarse) to 1 (every significant split). None: the cut that
         persists most, see `ConceptTree.most_persistent_granularity`.
     max_vertices : int
-        Of more different objects, the nearest are gathered in small classes before mean divergences are
-        taken.
+        With heat "divergence": of more different objects, the nearest are gathered in small classes before
+        mean divergences are taken; and of four times as many, the tree is that of a sample, on which all
+        others hang, see `TopologicalSpace`.
 
     Attributes
     ----------
@@ -149,8 +154,13 @@ class Filtration(ClusterMixin, BaseEstimator):
                 f"heat must be 'divergence' where stop is 'persistence', got {self.heat!r}: "
                 "persistent concepts are cut at a divergence"
             )
-        self._filter(TopologicalSpace().fit(X))
+        self._filter(TopologicalSpace(self._max_exact).fit(X))
         return self
+
+    @property
+    def _max_exact(self) -> int | None:
+        """Of how many vertices the tree is exact: heat by centrality needs all of it."""
+        return None if self.heat == "geodesic" else _EXACT_TREE * int(self.max_vertices)
 
     def _filter(self, space: TopologicalSpace) -> None:
         if self.heat == "geodesic":

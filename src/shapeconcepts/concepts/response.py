@@ -15,9 +15,12 @@ from sklearn.utils.validation import check_is_fitted, check_non_negative, valida
 from shapeconcepts.parallel import libraries_in_one_thread
 from shapeconcepts.parameters import check_parameters, choice, share, whole_number
 from shapeconcepts.topology.divergence import jensen_shannon_divergences, normalised_rows
+from shapeconcepts.topology.sample import draws, sampled
 from shapeconcepts.topology.space import TopologicalSpace
 
 DISTANCES = ("divergence", "mahalanobis")
+# A mean over fewer members says little of a group.
+LEAST_MEMBERS = 64
 # Above so many entries the dense matrix is not formed.
 _DENSE_ENTRIES = 2_000_000
 
@@ -39,13 +42,18 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         For "mahalanobis": largest number of principal components.
     variance_kept : float
         For "mahalanobis": share of the variance that the components carry, if so many of them do.
+    max_prototypes : int
+        Of more training rows in concepts, a sample stands for all, so that responses do not become slower
+        with ever more of them: as many of each concept as it has in proportion, and 64 at least.
 
     Attributes
     ----------
     classes_ : (k,) int64
         Numbers of the concepts, rising.
     prototypes_ : (p, c) csr_matrix of float64
-        Training rows that are in a concept and not empty, with sum 1.
+        Training rows that are in a concept and not empty, with sum 1; or a sample of them.
+    prototype_rows_ : (p,) int64
+        Which training rows these are, rising.
     prototype_concepts_ : (p,) int64
         Position in `classes_` of each prototype's concept.
     mean_ : (c,) float64
@@ -64,6 +72,7 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         "n_nearest": [whole_number(1)],
         "max_components": [whole_number(1)],
         "variance_kept": [share()],
+        "max_prototypes": [whole_number(1)],
     }
 
     def __init__(
@@ -72,11 +81,13 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         n_nearest: int = 10,
         max_components: int = 30,
         variance_kept: float = 0.95,
+        max_prototypes: int = 4096,
     ) -> None:
         self.distance = distance
         self.n_nearest = n_nearest
         self.max_components = max_components
         self.variance_kept = variance_kept
+        self.max_prototypes = max_prototypes
 
     def fit(self, X: ArrayLike | spmatrix | sparray, y: ArrayLike) -> ConceptResponse:
         """Learn what the rows of each concept are like.
@@ -108,14 +119,18 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
             raise ValueError(f"y must hold integers of at least -1, got {labels[:5].tolist()} ...")
         rows = normalised_rows(matrix, "X")
         placed = np.diff(rows.indptr) > 0
-        is_prototype = placed & (labels >= 0)
-        concepts = labels[is_prototype].astype(np.int64)
-        self.classes_, self.prototype_concepts_ = np.unique(concepts, return_inverse=True)
-        self.prototypes_ = csr_matrix(rows[is_prototype])
+        self._set_prototypes(rows, np.where(placed, labels, -1).astype(np.int64))
         n_components = self.max_components if self.distance == "mahalanobis" else 0
         self.mean_, self.whitening_ = _whitening(rows[placed], n_components, self.variance_kept)
         self.largest_divergence_ = self._longest_step()
         return self
+
+    def _set_prototypes(self, rows: csr_matrix, labels: NDArray[np.int64]) -> None:
+        """Rows (n, c) of concepts, -1 for those of none or without an entry."""
+        self.prototype_rows_ = sampled_members(rows, labels, self.max_prototypes)
+        concepts = labels[self.prototype_rows_]
+        self.classes_, self.prototype_concepts_ = np.unique(concepts, return_inverse=True)
+        self.prototypes_ = csr_matrix(rows[self.prototype_rows_])
 
     def transform(self, X: ArrayLike | spmatrix | sparray) -> NDArray[np.float64]:
         """Responses of the concepts; smaller is more alike.
@@ -212,6 +227,30 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         tags.input_tags.positive_only = True
         tags.target_tags.required = True
         return tags
+
+
+def sampled_members(rows: csr_matrix, labels: NDArray[np.integer], n_most: int) -> NDArray[np.int64]:
+    """Rows that stand for the members of each group, rising: all of them unless there are too many.
+
+    Parameters
+    ----------
+    rows : (n, c) csr_matrix of float64
+        With sum 1.
+    labels : (n,) int
+        Group of each row, -1 for none.
+    n_most : int
+        In all; but each group keeps `LEAST_MEMBERS`, if it has so many.
+    """
+    members = np.flatnonzero(labels >= 0)
+    if len(members) <= n_most:
+        return members
+    drawn = draws(csr_matrix(rows[members]))
+    kept = []
+    for group in np.unique(labels[members]):
+        own = np.flatnonzero(labels[members] == group)
+        n_kept = max(-(-n_most * len(own) // len(members)), LEAST_MEMBERS)
+        kept.append(members[own[sampled(drawn[own], n_kept)]])
+    return np.sort(np.concatenate(kept))
 
 
 def mean_distances(

@@ -129,7 +129,7 @@ def _stimuli(tensors: Tensors) -> csr_matrix:
 def _fit_filtration(
     filtration: Filtration, tensors: Tensors, description: dict[str, Any], rows: csr_matrix
 ) -> None:
-    space = TopologicalSpace()
+    space = TopologicalSpace(filtration._max_exact)
     space.n_features_in_ = rows.shape[1]
     space.vertices_ = tensors["space.vertices"]
     placed = np.flatnonzero(space.vertices_ >= 0)
@@ -194,13 +194,8 @@ def _fit_groups(filtration: Filtration, granularity: float, names: list[list[Any
 def _fit_response(
     response: ConceptResponse, tensors: Tensors, description: dict[str, Any], rows: csr_matrix
 ) -> None:
-    labels = tensors["concepts.labels"]
-    is_prototype = labels >= 0
     response.n_features_in_ = rows.shape[1]
-    response.classes_, response.prototype_concepts_ = np.unique(
-        labels[is_prototype].astype(np.int64), return_inverse=True
-    )
-    response.prototypes_ = csr_matrix(rows[is_prototype])
+    response._set_prototypes(rows, tensors["concepts.labels"].astype(np.int64))
     response.mean_, response.whitening_ = tensors["response.mean"], tensors["response.whitening"]
     response.largest_divergence_ = description["largest_divergence"]
     check_response(response, rows)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,8 +11,11 @@ from scipy.sparse import csr_matrix, sparray, spmatrix
 from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_non_negative, validate_data
 
+from shapeconcepts.parameters import check_parameters, whole_number
 from shapeconcepts.topology.divergence import normalised_rows
 from shapeconcepts.topology.heat_kernels import distance_sums
+from shapeconcepts.topology.nearest_kernels import nearest_rows
+from shapeconcepts.topology.sample import draws, sampled
 from shapeconcepts.topology.spanning_tree_kernels import grow_spanning_tree
 
 
@@ -23,6 +26,13 @@ class TopologicalSpace(BaseEstimator):
     no place. The tree is exact, and the same for any order of the rows: vertices are numbered by the content
     of their rows, and among equally long edges the one between lower numbers is taken (paper: Topological
     Space Generation).
+
+    Parameters
+    ----------
+    max_vertices : int or None
+        Of more vertices, the tree is that of a sample which follows how frequent rows are, and every other
+        vertex hangs on its nearest of the sample: the work then grows with the number of rows, and not with
+        its square. None: the tree is exact, however many there are.
 
     Attributes
     ----------
@@ -46,6 +56,11 @@ class TopologicalSpace(BaseEstimator):
     n_features_in_ : int
     """
 
+    _parameter_constraints: ClassVar[dict[str, list[Any]]] = {"max_vertices": [whole_number(2), None]}
+
+    def __init__(self, max_vertices: int | None = None) -> None:
+        self.max_vertices = max_vertices
+
     def fit(self, X: ArrayLike | spmatrix | sparray, y: object = None) -> TopologicalSpace:
         """Build the tree.
 
@@ -62,8 +77,9 @@ class TopologicalSpace(BaseEstimator):
         Raises
         ------
         ValueError
-            If X is not a matrix of finite numbers of at least 0.
+            If X is not a matrix of finite numbers of at least 0, or `max_vertices` is out of range.
         """
+        check_parameters(self)
         X = validate_data(self, X, accept_sparse="csr", dtype=np.float64, ensure_min_features=0)
         # Within `validate_data` this fails for dense matrices without columns.
         check_non_negative(csr_matrix(X), "TopologicalSpace")
@@ -71,19 +87,29 @@ class TopologicalSpace(BaseEstimator):
         first, self.vertices_ = _distinct_rows(rows)
         self.multiplicities_ = np.bincount(self.vertices_[self.vertices_ >= 0], minlength=len(first))
         self.rows_ = csr_matrix(rows[first])
-        edges, divergences = grow_spanning_tree(
-            self.rows_.indptr.astype(np.int64),
-            self.rows_.indices.astype(np.int32),
-            self.rows_.data,
-            self.rows_.data * np.log2(self.rows_.data),
-            self.rows_.shape[1],
-        )
+        edges, divergences = self._tree()
         edges.sort(axis=1)
         order = np.lexsort(edges.T[::-1])
         self.edges_: NDArray[np.int32] = edges[order]
         self.divergences_: NDArray[np.float64] = divergences[order]
         self._set_heat()
         return self
+
+    def _tree(self) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
+        """Edges and their divergences."""
+        rows, n_columns = _arrays(self.rows_), self.rows_.shape[1]
+        n = self.rows_.shape[0]
+        if self.max_vertices is None or n <= self.max_vertices:
+            return grow_spanning_tree(*rows, n_columns)
+        sample = sampled(draws(self.rows_), self.max_vertices)
+        rows_of_sample = _arrays(csr_matrix(self.rows_[sample]))
+        edges, divergences = grow_spanning_tree(*rows_of_sample, n_columns)
+        others = np.setdiff1d(np.arange(n), sample)
+        nearest, to_nearest = nearest_rows(*rows, n_columns, *rows_of_sample, others)
+        return (
+            np.concatenate([sample[edges], np.stack([others, sample[nearest]], axis=1)]).astype(np.int32),
+            np.concatenate([divergences, to_nearest]),
+        )
 
     def _set_heat(self) -> None:
         # Sums of integers: what is equally central has the same heat to the last bit.
@@ -98,6 +124,18 @@ class TopologicalSpace(BaseEstimator):
         tags.input_tags.sparse = True
         tags.input_tags.positive_only = True
         return tags
+
+
+def _arrays(
+    rows: csr_matrix,
+) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64], NDArray[np.float64]]:
+    """Starts, columns and values of rows, and values times their logarithm."""
+    return (
+        rows.indptr.astype(np.int64),
+        rows.indices.astype(np.int32),
+        rows.data,
+        rows.data * np.log2(rows.data),
+    )
 
 
 def _distinct_rows(rows: csr_matrix) -> tuple[NDArray[np.int64], NDArray[np.int32]]:

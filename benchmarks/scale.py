@@ -1,0 +1,167 @@
+"""Learning from described scans, from hundreds to a hundred thousand: time, memory, model file, responses.
+
+    python benchmarks/scale.py make [--scans N] [--seed SEED] [--folder FOLDER] [--jobs N]
+    python benchmarks/scale.py fit [--scans N ...] [--seed SEED] [--folder FOLDER] [--jobs N]
+
+`make` describes simulated scans of the seven categories in turn, with imagined occlusions, and keeps them in
+files of 500; what is there already is not made again. `fit` learns from the first so many, each number in a
+process of its own: seconds, peak memory, prototypes and size of the model file;
+and the time of a response, from points, reading included, in one thread, to 20 new scans.
+"""
+
+import os
+
+os.environ["OMP_NUM_THREADS"] = "1"
+
+import json
+import pickle
+import resource
+import subprocess
+import sys
+import time
+import warnings
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory, gettempdir
+
+import numpy as np
+
+from common import command, print_table
+from shapeconcepts import (
+    DescribedObject,
+    ScanError,
+    ShapeConceptModel,
+    datasets,
+    describe,
+    load_model,
+    segment,
+)
+from shapeconcepts.io.write_pcd import write_pcd
+from shapeconcepts.parallel import map_in_order
+from shapeconcepts.simulation.categories import CATEGORIES
+from shapeconcepts.sources import read_scan
+
+SIZES = (350, 4_200, 14_000)
+AT_ONCE = 500
+N_NEW = 20
+NEW_SEED = 999
+
+
+def object_number(number: int, seed: int) -> DescribedObject | None:
+    """The n-th simulated scan, described; None where next to nothing of it is visible."""
+    category = list(CATEGORIES)[number % len(CATEGORIES)]
+    n_occlusions = ShapeConceptModel().get_params()["ensemble__n_occlusions"]
+    try:
+        scan = datasets.simulate_scan(category, number // len(CATEGORIES), random_state=seed)
+        return describe(segment(scan), n_occlusions=n_occlusions)
+    except ScanError:
+        return None
+
+
+def file_of(folder: Path, seed: int, part: int) -> Path:
+    return folder / f"{seed}_{part:04d}.pickle"
+
+
+def make(folder: Path, seed: int, n_scans: int, jobs: int) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    for part in range(-(-n_scans // AT_ONCE)):
+        path = file_of(folder, seed, part)
+        if path.exists():
+            continue
+        numbers = range(part * AT_ONCE, (part + 1) * AT_ONCE)
+        start = time.perf_counter()
+        objects = list(map_in_order(partial(object_number, seed=seed), numbers, jobs, own_process=True))
+        temporary = path.with_suffix(".part")
+        temporary.write_bytes(pickle.dumps([one for one in objects if one]))
+        temporary.rename(path)
+        print(path.name, f"{time.perf_counter() - start:.0f} s", flush=True)
+
+
+def stored(folder: Path, seed: int, n_scans: int) -> Iterator[DescribedObject]:
+    for part in range(-(-n_scans // AT_ONCE)):
+        path = file_of(folder, seed, part)
+        if not path.exists():
+            sys.exit(f"{path} is missing: python benchmarks/scale.py make --scans {n_scans} --seed {seed}")
+        yield from pickle.loads(path.read_bytes())
+
+
+def fit(folder: Path, seed: int, n_scans: int, jobs: int) -> dict[str, float]:
+    """What learning from so many takes; in a process of its own."""
+    warnings.simplefilter("ignore")
+    # Kernels are compiled, or read, before.
+    ShapeConceptModel(n_jobs=jobs).fit(
+        [one for _, one in zip(range(60), stored(folder, seed, 60), strict=False)]
+    )
+    objects = list(stored(folder, seed, n_scans))
+    before = _peak()
+    model = ShapeConceptModel(n_jobs=jobs)
+    start = time.perf_counter()
+    model.fit(objects)
+    seconds = time.perf_counter() - start
+    with TemporaryDirectory() as place:
+        path = Path(place) / "model"
+        model.save(path)
+        loaded = load_model(path)
+        size = path.stat().st_size
+        response = _response_seconds(loaded, Path(place))
+    return {
+        "scans": len(objects),
+        "fit": seconds,
+        "peak": _peak() / 2**30,
+        "objects": before / 2**30,
+        "prototypes": len(model.ensemble_.hierarchies_.prototypes),
+        "columns": model.stimuli_.shape[1],
+        "model": size / 2**20,
+        "response": 1000 * response,
+        "concepts": len(model.concepts_),
+    }
+
+
+def _response_seconds(model: ShapeConceptModel, place: Path) -> float:
+    paths = []
+    for number in range(N_NEW):
+        category = list(CATEGORIES)[number % len(CATEGORIES)]
+        paths.append(place / f"{number}.pcd")
+        write_pcd(paths[-1], datasets.simulate_scan(category, number, random_state=NEW_SEED))
+    times = []
+    for path in [paths[0], *paths]:
+        start = time.perf_counter()
+        model.recognise([read_scan(path)])
+        times.append(time.perf_counter() - start)
+    return float(np.median(times[1:]))
+
+
+def _peak() -> int:
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak * (1 if sys.platform == "darwin" else 1024)
+
+
+def main() -> None:
+    parser = command(__doc__)
+    parser.add_argument("action", choices=("make", "fit", "one"), metavar="make | fit")
+    parser.add_argument("--scans", nargs="+", type=int, default=SIZES, metavar="N")
+    parser.add_argument("--seed", type=int, default=100)
+    parser.add_argument("--folder", type=Path, default=Path(gettempdir()) / "shapeconcepts_scale")
+    parser.add_argument("--jobs", type=int, default=2, metavar="N")
+    options = parser.parse_args()
+    if options.action == "make":
+        make(options.folder, options.seed, max(options.scans), options.jobs)
+        return
+    if options.action == "one":
+        print(json.dumps(fit(options.folder, options.seed, options.scans[0], options.jobs)))
+        return
+    rows = []
+    for n_scans in options.scans:
+        arguments = [sys.argv[0], "one", "--scans", n_scans, "--seed", options.seed]
+        arguments += ["--folder", options.folder, "--jobs", options.jobs]
+        done = subprocess.run([sys.executable, *map(str, arguments)], check=True, capture_output=True)
+        found = json.loads(done.stdout)
+        rows.append([f"{value:.4g}" for value in found.values()])
+        print(*rows[-1], flush=True)
+    titles = ("scans", "fit, s", "peak, GB", "objects, GB", "prototypes", "columns", "model, MB")
+    print_table((*titles, "response, ms", "concepts"), rows)
+
+
+if __name__ == "__main__":
+    main()

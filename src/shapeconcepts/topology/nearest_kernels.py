@@ -1,0 +1,61 @@
+"""Kernel of the nearest of some sparse rows to each of others."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts.kernels import kernel
+from shapeconcepts.topology.inverted_index_kernels import add_similarities, inverted_index
+
+
+@kernel
+def nearest_rows(
+    row_starts: NDArray[np.int64],
+    columns: NDArray[np.int32],
+    values: NDArray[np.float64],
+    value_terms: NDArray[np.float64],
+    n_columns: int,
+    sample_starts: NDArray[np.int64],
+    sample_columns: NDArray[np.int32],
+    sample_values: NDArray[np.float64],
+    sample_terms: NDArray[np.float64],
+    others: NDArray[np.int64],
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Nearest row of a sample to each of other rows, exactly; of equally near ones the first.
+
+    Parameters
+    ----------
+    row_starts, columns, values, value_terms, n_columns
+        Rows of a CSR matrix, as in `inverted_index`.
+    sample_starts, sample_columns, sample_values, sample_terms
+        Rows of the sample, likewise.
+    others : (m,) int64
+        Which rows to find the nearest of.
+
+    Returns
+    -------
+    nearest : (m,) int64
+        Position in the sample.
+    divergences : (m,) float64
+        Bits, 0 to 1.
+    """
+    list_starts, listed_rows, listed_values, listed_terms = inverted_index(
+        sample_starts, sample_columns, sample_values, sample_terms, n_columns
+    )
+    list_ends = list_starts[1:].copy()
+    nearest, divergences = np.zeros(len(others), np.int64), np.empty(len(others))
+    similarity = np.empty(len(sample_starts) - 1)
+    for place in range(len(others)):
+        similarity[:] = 0.0
+        add_similarities(
+            others[place], row_starts, columns, values, value_terms,
+            list_starts, list_ends, listed_rows, listed_values, listed_terms, similarity,
+        )  # fmt: skip
+        best = 0
+        for k in range(len(similarity)):
+            if similarity[k] > similarity[best]:
+                best = k
+        nearest[place] = best
+        divergences[place] = min(max(1.0 - 0.5 * similarity[best], 0.0), 1.0)
+    return nearest, divergences
