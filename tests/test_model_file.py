@@ -192,6 +192,7 @@ def test_parameters_survive(path):
         "response__n_nearest": 8,
         "response__max_components": 20,
         "response__variance_kept": 0.9,
+        "response__max_prototypes": 4000,
         "segmenter__voxel_size": 0.004,
         "segmenter__seed_size": 0.015,
         "segmenter__max_segments": 9,

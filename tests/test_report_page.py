@@ -135,14 +135,15 @@ def test_wrong_number_of_previews_leaves_the_old_file(tmp_path):
     ("options", "told"),
     [
         ([], []),
-        (["--depth-scale", "0.001"], []),
+        (["--units", "m"], []),
+        (["--units", "mm", "--up", "y"], [["--units", "mm"], ["--up", "y"]]),
         (["--no-scenes", "--voxel-size", "0.004"], [["--scenes", "no"], ["--voxel-size", "0.004"]]),
         (
             ["--views", "1", "--depth-scale", "0.0002", "--intrinsics", "500,500,320,240"],
             [["--intrinsics", "500,500,320,240"], ["--depth-scale", "0.0002"], ["--views", "1"]],
         ),
     ],
-    ids=["none", "default given", "point clouds", "depth images and meshes"],
+    ids=["none", "default given", "units", "point clouds", "depth images and meshes"],
 )
 def test_the_page_tells_how_scans_were_read_where_not_by_default(tmp_path, options, told):
     for i in range(4):
