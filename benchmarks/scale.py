@@ -22,6 +22,7 @@ import time
 import warnings
 from collections.abc import Iterator
 from functools import partial
+from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
 
@@ -79,20 +80,23 @@ def make(folder: Path, seed: int, n_scans: int, jobs: int) -> None:
 
 
 def stored(folder: Path, seed: int, n_scans: int) -> Iterator[DescribedObject]:
-    for part in range(-(-n_scans // AT_ONCE)):
+    left = n_scans
+    for part in count():
         path = file_of(folder, seed, part)
         if not path.exists():
             sys.exit(f"{path} is missing: python benchmarks/scale.py make --scans {n_scans} --seed {seed}")
-        yield from pickle.loads(path.read_bytes())
+        for one in pickle.loads(path.read_bytes())[:left]:
+            yield one
+            left -= 1
+        if left == 0:
+            return
 
 
 def fit(folder: Path, seed: int, n_scans: int, jobs: int) -> dict[str, float]:
     """What learning from so many takes; in a process of its own."""
     warnings.simplefilter("ignore")
     # Kernels are compiled, or read, before.
-    ShapeConceptModel(n_jobs=jobs).fit(
-        [one for _, one in zip(range(60), stored(folder, seed, 60), strict=False)]
-    )
+    ShapeConceptModel(n_jobs=jobs).fit([*stored(folder, seed, 60)])
     objects = list(stored(folder, seed, n_scans))
     before = _peak()
     model = ShapeConceptModel(n_jobs=jobs)

@@ -14,7 +14,7 @@ from sklearn.utils.validation import check_is_fitted, check_non_negative, valida
 
 from shapeconcepts.parallel import libraries_in_one_thread
 from shapeconcepts.parameters import check_parameters, choice, share, whole_number
-from shapeconcepts.topology.divergence import jensen_shannon_divergences, normalised_rows
+from shapeconcepts.topology.divergence import DivergenceIndex, normalised_rows
 from shapeconcepts.topology.sample import draws, sampled
 from shapeconcepts.topology.space import TopologicalSpace
 
@@ -131,6 +131,7 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         concepts = labels[self.prototype_rows_]
         self.classes_, self.prototype_concepts_ = np.unique(concepts, return_inverse=True)
         self.prototypes_ = csr_matrix(rows[self.prototype_rows_])
+        self._index = DivergenceIndex(self.prototypes_)
 
     def transform(self, X: ArrayLike | spmatrix | sparray) -> NDArray[np.float64]:
         """Responses of the concepts; smaller is more alike.
@@ -167,7 +168,7 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         if self.distance == "mahalanobis":
             distances = cdist(self._project(rows), self._project(self.prototypes_))
         else:
-            distances = jensen_shannon_divergences(rows, self.prototypes_)
+            distances = self._index.divergences(rows)
         distances[np.diff(rows.indptr) == 0] = np.nan
         return distances
 
@@ -188,7 +189,7 @@ class ConceptResponse(TransformerMixin, BaseEstimator):
         rows = self._rows(X)
         if len(self.classes_) == 0:
             return np.full(rows.shape[0], -1)
-        divergences = jensen_shannon_divergences(rows, self.prototypes_)
+        divergences = self._index.divergences(rows)
         means = np.empty((rows.shape[0], len(self.classes_)))
         for concept in range(len(self.classes_)):
             nearest = np.sort(divergences[:, self.prototype_concepts_ == concept])[:, : self.n_nearest]
