@@ -59,8 +59,9 @@ def test_parameters():
         "min_concept_size": 5, "max_steps": 50, "heat": "geodesic", "stop": "annexations",
         "error_rate": 0.2, "granularity": 0.3, "max_vertices": 80,
     }  # fmt: skip
-    assert ConceptResponse("mahalanobis", 5, 7, 0.5).get_params() == {
-        "distance": "mahalanobis", "n_nearest": 5, "max_components": 7, "variance_kept": 0.5, "max_prototypes": 400,
+    assert ConceptResponse("mahalanobis", 5, 7, 0.5, 400).get_params() == {
+        "distance": "mahalanobis", "n_nearest": 5, "max_components": 7, "variance_kept": 0.5,
+        "max_prototypes": 400,
     }  # fmt: skip
     assert filtration.set_params(max_steps=7).max_steps == 7
     with pytest.raises(ValueError, match="Invalid parameter"):

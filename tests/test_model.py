@@ -575,3 +575,19 @@ def test_there_is_no_tree_where_a_time_makes_concepts(segmented):
     model = ShapeConceptModel.preset("paper").fit(segmented)
     with pytest.raises(ValueError, match="no significant splits"):
         model.transform_tree(segmented[:2])
+
+
+def test_scans_may_come_from_a_generator(scans, model):
+    streamed = ShapeConceptModel().fit(scan for scan in scans)
+    assert_same_rows(streamed.stimuli_, model.stimuli_)
+    assert streamed.scan_names_ == model.scan_names_ and streamed.scan_labels_ == model.scan_labels_
+    with pytest.raises(ValueError, match="X must hold at least one scan, got none"):
+        ShapeConceptModel().fit(iter([]))
+
+
+def test_what_is_odd_in_scans_is_said_once(scans):
+    in_millimetres = [Scan(1000 * scan.points, name=scan.name) for scan in scans[:5]]
+    with pytest.warns(ScanWarning) as said:
+        ShapeConceptModel().fit([*scans[5:], *in_millimetres])
+    [notice] = [str(one.message) for one in said if "metres" in str(one.message)]
+    assert notice.startswith(f"5 of {len(scans)} scans: {scans[0].name} is ")

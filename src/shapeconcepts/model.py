@@ -23,7 +23,7 @@ from shapeconcepts.descriptors import (
     Descriptor,
     describe_scan,
     describe_scans,
-    list_of_scans,
+    scans_in,
 )
 from shapeconcepts.descriptors.registry import DEFAULT, DESCRIPTORS
 from shapeconcepts.model_file import ModelState, read_state, write_state
@@ -153,6 +153,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         Parameters
         ----------
         X : iterable of Scan, (n, 3) array, point cloud, SegmentedObject or DescribedObject
+            May be a generator: of each scan, only its description is kept.
         y : ignored
 
         Returns
@@ -169,27 +170,29 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         Warns
         -----
         ScanWarning
-            If scans cannot be described: they are skipped, see `skipped_`.
+            If scans cannot be described: they are skipped, see `skipped_`. Or what should be looked at in
+            scans, see `Scan.notices`.
         UserWarning
             If the filtration finds no concepts.
         """
         # What is wrong is said before hours of segmentation.
         check_parameters(self)
-        scans = list_of_scans(X)
-        if not scans:
-            raise ValueError("X must hold at least one scan, got none")
+        scans = scans_in(X)
         segmenter, descriptor = self._stage("segmenter"), clone(self.descriptor, safe=False)
         ensemble, filtration, response = map(self._stage, ("ensemble", "filtration", "response"))
         n_occlusions = getattr(ensemble, "n_occlusions", 0)
-        described, skipped = describe_scans(scans, segmenter, descriptor, self.n_jobs, n_occlusions)
+        results = describe_scans(scans, segmenter, descriptor, self.n_jobs, n_occlusions)
+        if not results:
+            raise ValueError("X must hold at least one scan, got none")
 
+        described = [one.described for one in results]
         ensemble.set_params(n_jobs=self.n_jobs).fit([one for one in described if one])
         stimuli = with_empty_rows(ensemble.stimuli_, described)
         filtration.fit(stimuli)
         response.fit(stimuli, filtration.labels_)
 
-        names = [str(getattr(scan, "name", "") or "") for scan in scans]
-        labels = [getattr(scan, "label", None) for scan in scans]
+        names, labels = [one.name for one in results], [one.label for one in results]
+        skipped = {i: one.reason for i, one in enumerate(results) if one.described is None}
         return self._remember(
             ModelState(segmenter, descriptor, ensemble, filtration, response, stimuli, names, labels, skipped)
         )
@@ -406,7 +409,8 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
     def _described(self, X: Iterable[object]) -> list[DescribedObject | None]:
         check_is_fitted(self, "response_")
         self.ensemble_.n_jobs = self.n_jobs
-        return describe_scans(list_of_scans(X), self.segmenter_, self.descriptor_, self.n_jobs)[0]
+        results = describe_scans(scans_in(X), self.segmenter_, self.descriptor_, self.n_jobs)
+        return [one.described for one in results]
 
     def _rows(
         self, described: list[DescribedObject | None], rows_of: Callable[[list[DescribedObject]], Any]

@@ -113,9 +113,14 @@ def as_list(X: object, one: type | tuple[type, ...]) -> list[Any]:
     ValueError
         If X is a single object, that is of a type of `one`, or no iterable.
     """
+    return list(check_iterable(X, one))
+
+
+def check_iterable(X: object, one: type | tuple[type, ...]) -> Iterable[Any]:
+    """Return an iterable, or raise as `as_list` does."""
     if isinstance(X, one) or not isinstance(X, Iterable):
         raise ValueError(f"X must be a list, got a single {type(X).__name__}: wrap it in a list, [X]")
-    return list(X)
+    return X
 
 
 def check_length(name: str, value: object) -> float:

@@ -2,7 +2,7 @@
 
 from shapeconcepts.descriptors.curvature import Curvature, compute_principal_curvatures
 from shapeconcepts.descriptors.described_object import DescribedObject, DescribedOcclusion, describe
-from shapeconcepts.descriptors.described_scans import describe_scan, describe_scans, list_of_scans
+from shapeconcepts.descriptors.described_scans import describe_scan, describe_scans, scans_in
 from shapeconcepts.descriptors.fpfh import FPFH, compute_fpfh
 from shapeconcepts.descriptors.joint import Joint
 from shapeconcepts.descriptors.point_distances import PointDistances
@@ -26,5 +26,5 @@ __all__ = [
     "describe_scan",
     "describe_scans",
     "get_descriptor",
-    "list_of_scans",
+    "scans_in",
 ]

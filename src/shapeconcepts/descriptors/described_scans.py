@@ -3,19 +3,32 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterable
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
 from shapeconcepts.descriptors.described_object import DescribedObject, describe
 from shapeconcepts.descriptors.protocol import Descriptor
 from shapeconcepts.parallel import map_in_order
-from shapeconcepts.parameters import as_list
+from shapeconcepts.parameters import check_iterable
 from shapeconcepts.scan import Scan, ScanError, ScanWarning, scan_errors
 from shapeconcepts.segmentation import SegmentedObject, Segmenter
+from shapeconcepts.sources.notices import in_few_words
 
 
-def list_of_scans(X: object) -> list[object]:
+class DescribedScan(NamedTuple):
+    """What became of a scan: its description, or the reason why there is none."""
+
+    name: str
+    label: str | None
+    described: DescribedObject | None
+    reason: str = ""
+    notices: tuple[str, ...] = ()
+
+
+def scans_in(X: object) -> Iterable[object]:
     """Scans of an iterable.
 
     Raises
@@ -25,17 +38,17 @@ def list_of_scans(X: object) -> list[object]:
     """
     if isinstance(X, np.ndarray) and X.ndim == 2:
         raise ValueError(f"X must be a list of scans, got a single {X.shape} array: wrap it in a list, [X]")
-    return as_list(X, (Scan, SegmentedObject, DescribedObject))
+    return check_iterable(X, (Scan, SegmentedObject, DescribedObject))
 
 
 def describe_scans(
-    scans: list[object],
+    scans: Iterable[object],
     segmenter: Segmenter,
     descriptor: str | Descriptor,
     n_jobs: int | None,
     n_occlusions: int = 0,
-) -> tuple[list[DescribedObject | None], dict[int, str]]:
-    """Segment and describe scans; None, with the reason by its position, where that is not possible.
+) -> list[DescribedScan]:
+    """Segment and describe scans, one after the other: they need not be in memory at the same time.
 
     Parameters are those of `describe_scan` and joblib's `n_jobs`.
 
@@ -47,20 +60,27 @@ def describe_scans(
     Warns
     -----
     ScanWarning
-        If a scan cannot be described.
+        If a scan cannot be described, or what should be looked at in scans, see `Scan.notices`.
     """
-    describe_one = partial(describe_scan, segmenter, descriptor, n_occlusions=n_occlusions)
+    describe_one = partial(_described_scan, segmenter, descriptor, n_occlusions=n_occlusions)
     results = list(map_in_order(describe_one, scans, n_jobs))
-    skipped = {i: str(result) for i, result in enumerate(results) if isinstance(result, ScanError)}
-    if scans and len(skipped) == len(scans):
+    skipped = {i: result.reason for i, result in enumerate(results) if result.described is None}
+    if results and len(skipped) == len(results):
         raise ScanError(skipped[0])
     if skipped:
         reasons = "; ".join([f"number {i}: {reason}" for i, reason in skipped.items()][:3])
         more = "; ..." if len(skipped) > 3 else ""
         warnings.warn(
-            f"{len(skipped)} of {len(scans)} scans are skipped: {reasons}{more}", ScanWarning, stacklevel=3
+            f"{len(skipped)} of {len(results)} scans are skipped: {reasons}{more}", ScanWarning, stacklevel=3
         )
-    return [None if isinstance(result, ScanError) else result for result in results], skipped
+    notices = [
+        (result.name or f"number {i}", notice)
+        for i, result in enumerate(results)
+        for notice in result.notices
+    ]
+    for sentence in in_few_words(notices, len(results)):
+        warnings.warn(sentence, ScanWarning, stacklevel=3)
+    return results
 
 
 def describe_scan(
@@ -77,11 +97,20 @@ def describe_scan(
     n_occlusions : int
         As in `describe`.
     """
+    result = _described_scan(segmenter, descriptor, scan, n_occlusions)
+    return ScanError(result.reason) if result.described is None else result.described
+
+
+def _described_scan(
+    segmenter: Segmenter, descriptor: str | Descriptor, scan: object, n_occlusions: int = 0
+) -> DescribedScan:
+    name, label = str(getattr(scan, "name", "") or ""), getattr(scan, "label", None)
     if isinstance(scan, DescribedObject):
-        return scan
+        return DescribedScan(name, label, scan)
     try:
-        with scan_errors(getattr(scan, "name", "") or "scan", "described"):
+        with scan_errors(name or "scan", "described"):
             segmented = scan if isinstance(scan, SegmentedObject) else segmenter.segment(scan)
-            return describe(segmented, descriptor, n_occlusions)
+            described = describe(segmented, descriptor, n_occlusions)
+            return DescribedScan(name, label, described, notices=segmented.notices)
     except ScanError as error:
-        return error
+        return DescribedScan(name, label, None, str(error))
