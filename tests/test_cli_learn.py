@@ -15,8 +15,9 @@ import pytest
 from typer.testing import CliRunner
 
 import shapeconcepts
-from shapeconcepts.cli import app, object_reader
+from shapeconcepts.cli import app, object_reader, user_caches
 from shapeconcepts.cli.object_reader import useful_jobs
+from shapeconcepts.io import array_cache
 from shapeconcepts.io.write_pcd import write_pcd
 from shapeconcepts.scan import Scan, ScanError
 from shapeconcepts.segmentation import segment_cache
@@ -54,7 +55,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPa
 
 
 def entries(cache: Path) -> list[Path]:
-    return sorted(path for path in cache.rglob("*") if path.is_file())
+    return sorted(path for path in cache.rglob("*.segments") if path.is_file())
 
 
 def forbid_segmentation(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -316,10 +317,10 @@ def test_no_cache_folder_without_a_home(
             return unknown
         raise unknown
 
-    monkeypatch.setattr(segment_cache, "user_cache_path", user_cache_path)
+    monkeypatch.setattr(array_cache, "user_cache_path", user_cache_path)
     with pytest.raises(OSError, match=r"~/\.cache|no home"):
         segment_cache.user_cache_folder()
-    assert object_reader.user_cache() is None
+    assert user_caches.user_cache() is None
 
 
 def test_results_do_not_depend_on_jobs(scans: Path, tmp_path: Path) -> None:
@@ -452,7 +453,7 @@ def test_ctrl_c_while_several_processes_work(tmp_path: Path) -> None:
     assert stdout == ""
     assert stderr == "Interrupted; the segments that were found are kept for the next time\n"
     assert not (tmp_path / "m").exists()
-    assert {path.suffix for path in cache.rglob("*") if path.is_file()} == {".segments"}
+    assert {path.suffix for path in cache.rglob("*") if path.is_file()} <= {".segments", ".descriptions"}
 
 
 def test_outputs_are_checked_before_the_work(scans: Path, tmp_path: Path) -> None:

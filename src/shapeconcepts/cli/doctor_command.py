@@ -104,7 +104,7 @@ def _kernel_folders() -> list[Path]:
 
 
 def _segments() -> Iterator[_Finding]:
-    from shapeconcepts.segmentation.segment_cache import user_cache_folder
+    from shapeconcepts.io.array_cache import user_cache_folder
 
     try:
         folder = user_cache_folder() / "segments"

@@ -20,7 +20,7 @@ from shapeconcepts.cli.labelled_input import (
     segment_set,
 )
 from shapeconcepts.cli.model_input import one_thread
-from shapeconcepts.cli.object_reader import ObjectReader, simulated_objects, user_cache
+from shapeconcepts.cli.object_reader import ObjectReader, simulated_objects
 from shapeconcepts.cli.options import (
     DepthScale,
     Intrinsics,
@@ -44,6 +44,7 @@ from shapeconcepts.cli.terminal import (
     tell_json,
     warnings_said,
 )
+from shapeconcepts.cli.user_caches import user_cache
 
 if TYPE_CHECKING:
     from shapeconcepts.cli.object_reader import Source

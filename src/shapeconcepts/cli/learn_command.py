@@ -14,7 +14,6 @@ from shapeconcepts.cli.object_reader import (
     SimulatedObject,
     read_objects,
     simulated_objects,
-    user_cache,
 )
 from shapeconcepts.cli.options import (
     DepthScale,
@@ -46,6 +45,7 @@ from shapeconcepts.cli.terminal import (
     tell_json,
     warnings_said,
 )
+from shapeconcepts.cli.user_caches import descriptions_beside, user_cache
 
 if TYPE_CHECKING:
     from shapeconcepts.descriptors import DescribedObject
@@ -189,12 +189,14 @@ def learn(
             "--voxel-size": ("segmenter__voxel_size", voxel_size),
         },
     )
+    cache = None if no_cache else user_cache()
     reader = ObjectReader(
         reading=reading,
         segmenter=learner.segmenter or Segmenter(),
         descriptor=learner.descriptor,
         scenes=scenes,
-        cache=None if no_cache else user_cache(),
+        cache=cache,
+        descriptions=descriptions_beside(cache),
         make_preview=report is not None,
         n_occlusions=learner.get_params()["ensemble__n_occlusions"],
         n_views=views,

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
-from shapeconcepts.cli.terminal import say
-from shapeconcepts.interruption import INTERRUPTED, say_when_interrupted
-
 if TYPE_CHECKING:
     from shapeconcepts.descriptors import DescribedObject, Descriptor
+    from shapeconcepts.descriptors.description_cache import DescriptionCache
     from shapeconcepts.report.html import ScanPreview
     from shapeconcepts.scan import Scan
     from shapeconcepts.segmentation.segment_cache import SegmentCache
@@ -73,6 +72,8 @@ class ObjectReader:
     scenes : bool or None
         Whether point clouds are labelled scenes; None: those whose labels look like it.
     cache : SegmentCache, optional
+    descriptions : DescriptionCache, optional
+        Beside it.
     keep_segmented, make_preview : bool
         What to hand back besides descriptions.
     n_occlusions : int
@@ -86,6 +87,7 @@ class ObjectReader:
     descriptor: str | Descriptor
     scenes: bool | None = None
     cache: SegmentCache | None = None
+    descriptions: DescriptionCache | None = None
     keep_segmented: bool = False
     make_preview: bool = False
     n_occlusions: int = 0
@@ -103,11 +105,16 @@ class ObjectReader:
         except ScanError as error:
             return [ReadObject(source.name, reason=str(error))]
         if kept is not None:
-            return [self._finish(_called(one, source)) for one in kept]
+            return self._finished(key, [_called(one, source) for one in kept])
         results = [self._segment(scan) for scan in scans]
         failure = self._keep(key, results, source)
-        finished = [one if one.segmented is None else self._finish(one.segmented) for one in results]
-        return [one._replace(cache_failure=failure) for one in finished]
+        segmented = [one.segmented for one in results if one.segmented is not None]
+        is_kept = len(segmented) == len(results) and not failure
+        finished = iter(self._finished(key if is_kept else None, segmented))
+        return [
+            (one if one.segmented is None else next(finished))._replace(cache_failure=failure)
+            for one in results
+        ]
 
     def _scans(self, source: Source) -> list[Scan]:
         from shapeconcepts.datasets import simulate_scan
@@ -129,7 +136,24 @@ class ObjectReader:
         except ScanError as error:
             return ReadObject(scan.name, reason=str(error))
 
-    def _finish(self, segmented: SegmentedObject) -> ReadObject:
+    def _finished(self, key: str | None, segmented: list[SegmentedObject]) -> list[ReadObject]:
+        """Segmented objects described, from the cache if it has them; and what else is asked for."""
+        described = None if key is None else self._kept_descriptions(key, segmented)
+        results = described or [self._describe(one) for one in segmented]
+        if described is None and key is not None:
+            self._keep_descriptions(key, results)
+        finished = []
+        for result, one in zip(results, segmented, strict=True):
+            if result.described is None:
+                finished.append(result)
+                continue
+            with_notices = result._replace(
+                segmented=one if self.keep_segmented else None, notices=one.notices
+            )
+            finished.append(self._with_preview(with_notices, one) if self.make_preview else with_notices)
+        return finished
+
+    def _describe(self, segmented: SegmentedObject) -> ReadObject:
         from shapeconcepts.descriptors import describe
         from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
         from shapeconcepts.scan import ScanError, scan_errors
@@ -140,12 +164,31 @@ class ObjectReader:
             if count > MAX_SEGMENTS:
                 raise ScanError(f"{name}: has {count} segments, expected at most {MAX_SEGMENTS}")
             with scan_errors(name, "described"):
-                described = describe(segmented, self.descriptor, self.n_occlusions)
+                return ReadObject(name, describe(segmented, self.descriptor, self.n_occlusions))
         except ScanError as error:
             return ReadObject(name, reason=str(error))
-        kept = segmented if self.keep_segmented else None
-        finished = ReadObject(name, described, kept, notices=segmented.notices)
-        return self._with_preview(finished, segmented) if self.make_preview else finished
+
+    def _kept_descriptions(self, key: str, segmented: list[SegmentedObject]) -> list[ReadObject] | None:
+        if self.descriptions is None:
+            return None
+        kept = self.descriptions.load(self._description_key(self.descriptions, key))
+        if kept is None:
+            return None
+        return [
+            ReadObject(one.name, replace(described, name=one.name, label=one.label))
+            for one, described in zip(segmented, kept, strict=True)
+        ]
+
+    def _keep_descriptions(self, key: str, results: list[ReadObject]) -> None:
+        described = [one.described for one in results if one.described is not None]
+        if self.descriptions is None or len(described) < len(results):
+            return
+        # Where segments can be kept, so can these; if not, they are made anew.
+        with suppress(OSError):
+            self.descriptions.store(self._description_key(self.descriptions, key), described)
+
+    def _description_key(self, descriptions: DescriptionCache, key: str) -> str:
+        return descriptions.key(key.encode(), (self.descriptor, self.n_occlusions))
 
     def _with_preview(self, finished: ReadObject, segmented: SegmentedObject) -> ReadObject:
         from shapeconcepts.report.html import preview
@@ -232,19 +275,6 @@ def simulated_objects() -> list[ScanFile | SimulatedObject]:
     from shapeconcepts.datasets import CATEGORIES
 
     return [SimulatedObject(name, index) for name in CATEGORIES for index in range(SIMULATED_PER_CATEGORY)]
-
-
-def user_cache() -> SegmentCache | None:
-    """The user's cache; None, and a note, where there can be none."""
-    from shapeconcepts.segmentation.segment_cache import SegmentCache
-
-    try:
-        cache = SegmentCache.of_user()
-    except OSError as error:
-        say(f"Note: nothing is cached: {error}")
-        return None
-    say_when_interrupted(f"{INTERRUPTED}; the segments that were found are kept for the next time")
-    return cache
 
 
 def useful_jobs(jobs: int, n_scans: int) -> int:
