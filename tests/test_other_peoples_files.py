@@ -402,3 +402,85 @@ def test_a_missing_mask_is_named_once(tmp_path, depth):
     message = "".join(result.stderr.split())
     assert "thereisnosuchfile" in message and "Errno" not in message
     assert message.count("masks/a.png") == 1
+
+
+def test_scenes_of_others_keep_their_sensor_and_all_points(tmp_path):
+    rng = np.random.default_rng(0)
+    points = np.vstack([BOX - [0, 0, 0.8], BOX - [0.3, 0, 0.8]])
+    labels = np.repeat([20, 30], 7200)
+    table = np.c_[rng.uniform(-0.5, 0.5, (5000, 2)), np.full(5000, 0.1)]
+    viewpoint = np.array([0.0, -3.0, 2.0])
+    np.savez(
+        tmp_path / "scene.npz",
+        points=np.vstack([points, table]),
+        labels=np.append(labels, np.ones(5000, int)),
+        viewpoint=viewpoint,
+    )
+    found = json.loads(run("segment", tmp_path / "scene.npz", "--json").stdout)["scans"]
+    # A point at the very origin would be a missing one.
+    assert [scan["n_points"] for scan in found] == [7200, 7200]
+    assert all(scan["viewpoint"] == viewpoint.tolist() for scan in found)
+
+
+def test_masks_of_any_image_format_in_the_same_place(tmp_path, depth):
+    (tmp_path / "depth" / "mug").mkdir(parents=True)
+    (tmp_path / "masks" / "mug").mkdir(parents=True)
+    mask = np.zeros((480, 640), np.uint8)
+    mask[:240] = 255
+    np.save(tmp_path / "depth/mug/0.npy", depth)
+    Image.fromarray(depth).save(tmp_path / "depth/mug/1.tif")
+    np.save(tmp_path / "depth/mug/cloud.npy", BOX)
+    for name in ("0.png", "1.bmp"):
+        Image.fromarray(mask).save(tmp_path / "masks/mug" / name)
+    options = {"intrinsics": (525.0, 525.0, 319.5, 239.5), "mask": tmp_path / "masks"}
+    scans = read_scans(tmp_path / "depth", strict=True, **options)
+    assert [len(scan) for scan in scans] == [3200, 3200, 7200]
+    # A file that is named is found by the folders in its path.
+    assert len(read_scans(tmp_path / "depth/mug/0.npy", strict=True, **options)[0]) == 3200
+
+
+def test_labels_of_text_are_one_notice(tmp_path):
+    for number in range(12):
+        rows = "".join(table([row], ",")[:-1] + f",apple{number}\n" for row in BOX[:50])
+        write(tmp_path / f"{number}.csv", "x,y,z,label\n" + rows)
+    with pytest.warns(ScanWarning) as said:
+        read_scans(tmp_path)
+    [message] = {str(one.message) for one in said}
+    assert message.startswith("12 of 12 scans: 0.csv has labels that cannot be read")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "0 0 1\n0,5 0,25 2\n" * 6,
+        "0;0;1\n0,5;0,25;2\n" * 6,
+        "x,y,z,label\n" + "0,0,1,3,\n0.5,0.25,2,3,\n" * 6,
+        '"x","y","z"\n' + '"0","0","1"\n"0.5","0.25","2"\n' * 6,
+        "0 ,0 ,1\n0.5 ,0.25 ,2\n" * 6,
+    ],
+)
+def test_ways_of_spreadsheets(tmp_path, text):
+    scan = read_scan(write(tmp_path / "a.csv", text))
+    np.testing.assert_array_equal(scan.points, [[0, 0, 1], [0.5, 0.25, 2]] * 6)
+    assert (scan.point_labels is None) == ("label" not in text)
+
+
+def test_positions_in_tables_and_what_is_none(tmp_path):
+    text = "x,y,z,vp_x,vp_y,vp_z\n" + table(np.c_[BOX, np.tile(POSITION, (7200, 1))], ",")
+    scan = read_scan(write(tmp_path / "a.csv", text))
+    np.testing.assert_allclose(scan.viewpoint, POSITION)
+    scan = read_scan(write(tmp_path / "b.csv", text.replace(",0.500000,", ",left,")))
+    assert len(scan) == 7200
+    commas = "# viewpoint 0,1 0,2 3,5\n" + table(BOX, ";").replace(".", ",")
+    np.testing.assert_array_equal(read_scan(write(tmp_path / "c.csv", commas)).viewpoint, 0)
+
+
+def test_a_small_folder_of_texts(tmp_path):
+    write(tmp_path / "ten.xyz", table(BOX[:10])[:-1])
+    write(tmp_path / "nine.csv", "x,y,z\n" + table(BOX[:9], ","))
+    header = "time,x,y,z,qx,qy,qz,qw\n"
+    write(tmp_path / "path.csv", header + "".join(f"{i},1,2,{i},0,0.6,0,0.8\n" for i in range(50)))
+    scans = read_scans(tmp_path)
+    assert [scan.name for scan in scans] == ["ten.xyz"]
+    reasons = " ".join(map(str, scans.skipped))
+    assert "nine.csv: is a table of 9 x 3 numbers" in reasons and "path.csv: is a trajectory" in reasons

@@ -80,7 +80,8 @@ def measured_rows(points: NDArray[np.float64]) -> NDArray[np.bool_]:
 def _origin_is_among(points: NDArray[np.float64]) -> bool:
     """Whether the origin lies in the bounding box of points, or next to it."""
     low, high = points.min(axis=0), points.max(axis=0)
-    margin = _AMONG * float(np.linalg.norm(high - low))
+    with np.errstate(over="ignore"):
+        margin = _AMONG * float(np.linalg.norm(high - low))
     return bool(((low - margin <= 0.0) & (high + margin >= 0.0)).all())
 
 

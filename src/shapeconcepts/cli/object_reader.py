@@ -221,22 +221,23 @@ class ObjectReader:
 
     def _key(self, source: Source) -> str | None:
         """Name of a source's entry in the cache; None where it cannot be read."""
-        from shapeconcepts.io.depth_image import DEPTH_SUFFIXES
         from shapeconcepts.io.regular_file import read_regular_file
         from shapeconcepts.scan import Scan, ScanError
+        from shapeconcepts.sources.collection import mask_of
 
         if self.cache is None:
             return None
         if isinstance(source, Scan):
             viewpoint = None if source.viewpoint is None else source.viewpoint.tolist()
-            return self.cache.key(source.points.tobytes(), ("scan", viewpoint, self._segmentation))
+            scan = ("scan", viewpoint, source.notices)
+            return self.cache.key(source.points.tobytes(), (scan, self._segmentation))
         if isinstance(source, SimulatedObject):
             return self.cache.key(b"", (source, self._segmentation))
         try:
             content = read_regular_file(source.path)
-            mask = self.reading.get("mask")
-            if isinstance(mask, Path) and source.path.suffix.lower() in (*DEPTH_SUFFIXES, ".npy"):
-                content += read_regular_file(mask / source.inside if mask.is_dir() else mask)
+            mask = mask_of(source, self.reading)
+            if isinstance(mask, Path):
+                content += read_regular_file(mask)
         except ScanError:
             return None
         options = ("intrinsics", "depth_scale", "units", "up")

@@ -84,25 +84,35 @@ class GroupTree(NamedTuple):
         members : (p,) int64
             Which objects these are, rising.
         own : (m,) int64
-            Object that each scan is itself, -1 for none: it does not count in its own means.
+            Which of these objects each scan is itself, -1 for none: it does not count in its own means.
 
         Returns
         -------
         (m, k) float64
-            NaN in the row of a scan without any distance.
+            NaN in the row of a scan without any distance. Where none of a group's members is among these
+            objects, the mean of the smallest larger group with one.
         """
-        smallest, n_groups = self.group_of_object[members], len(self.parents)
+        n_groups = len(self.parents)
+        smallest = self.group_of_object[members]
+        members, distances = members[smallest >= 0], distances[:, smallest >= 0]
+        smallest = smallest[smallest >= 0]
         # Row by row: summed over a matrix, the rounding of a row would depend on how many there are.
-        sums = np.array([np.bincount(smallest, row, n_groups) for row in distances]).reshape(-1, n_groups)
-        counts = np.tile(np.bincount(smallest, minlength=n_groups), (len(sums), 1))
-        own_group = np.append(self.group_of_object, -1)[own]
+        sums = [np.bincount(smallest, row, n_groups) for row in distances]
+        means = np.array(sums, np.float64).reshape(len(distances), n_groups)
+        counts = np.tile(np.bincount(smallest, minlength=n_groups), (len(distances), 1))
+        own_group = np.where(np.isin(own, members), np.append(self.group_of_object, -1)[own], -1)
         counts[own_group >= 0, own_group[own_group >= 0]] -= 1
         for group in range(n_groups - 1, -1, -1):
             parent = self.parents[group]
             if parent >= 0:
-                sums[:, parent] += sums[:, group]
+                means[:, parent] += means[:, group]
                 counts[:, parent] += counts[:, group]
-        return sums / counts
+        with np.errstate(invalid="ignore"):
+            means /= np.where(counts > 0, counts, np.nan)
+        for group, parent in enumerate(self.parents.tolist()):
+            if parent >= 0:
+                means[:, group] = np.where(counts[:, group] > 0, means[:, group], means[:, parent])
+        return means
 
 
 def _are_within(edges: NDArray[np.int32], concept_group: NDArray[np.int64]) -> NDArray[np.bool_]:

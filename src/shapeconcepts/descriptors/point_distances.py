@@ -15,7 +15,7 @@ from shapeconcepts.descriptors.surflets import average_surflets
 from shapeconcepts.geometry.surface import checked_surface
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
-# From 5 mm to 64 cm, two bins for each doubling.
+# From 5 mm to 45 cm, two bins for each doubling.
 SMALLEST_DISTANCE = 0.005
 BINS_PER_DOUBLING = 2
 N_BINS = 14

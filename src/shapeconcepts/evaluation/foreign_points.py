@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.descriptors import DescribedObject, Descriptor, describe
-from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.scan import Scan, ScanError, scan_errors
 from shapeconcepts.segmentation import SegmentedObject, Segmenter
 
 Points = NDArray[np.float64]
@@ -45,14 +45,16 @@ def with_foreign_points(
         sight = -segmented.normals.mean(axis=0)
     else:
         sight = points.mean(axis=0) - segmented.viewpoint
-    foreign = (
-        touching_part(points, sight, other.points, FOREIGN_SHARE, rng)
-        if number % 2
-        else table_strip(points, sight, FOREIGN_SHARE, rng)
-    )
     try:
-        scan = Scan(np.concatenate([points, foreign]), segmented.viewpoint, segmented.name, segmented.label)
-        return describe(Segmenter(voxel_size=segmented.voxel_size).segment(scan), descriptor)
+        with scan_errors(segmented.name, "given foreign points"):
+            foreign = (
+                touching_part(points, sight, other.points, FOREIGN_SHARE, rng)
+                if number % 2
+                else table_strip(points, sight, FOREIGN_SHARE, rng)
+            )
+            joined = np.concatenate([points, foreign])
+            scan = Scan(joined, segmented.viewpoint, segmented.name, segmented.label)
+            return describe(Segmenter(voxel_size=segmented.voxel_size).segment(scan), descriptor)
     except ScanError:
         return None
 
@@ -75,7 +77,7 @@ def touching_part(
     (k, 3) float64
     """
     side = _random_side(sight, rng)
-    n = min(round(share / (1 - share) * len(points)), len(other))
+    n = min(_number(share, points), len(other))
     reach = other @ side
     kept = other[np.argsort(reach)[:n]]
     ours, theirs = points @ side, kept @ side
@@ -96,11 +98,16 @@ def table_strip(points: Points, sight: Points, share: float, rng: np.random.Gene
     towards = np.sin(tilt) * down - np.cos(tilt) * _unit(sight)
     place = (points - centre) @ np.array([along, down]).T
     start = points[place[:, 1] >= np.quantile(place[:, 1], 1 - _RIM)].mean(axis=0)
-    n = round(share / (1 - share) * len(points))
+    n = _number(share, points)
     width, area = np.ptp(place[:, 0]), np.ptp(place[:, 0]) * np.ptp(place[:, 1])
     depth = area * share / (1 - share) / max(width, 1e-9)
     across = (rng.random(n) - 0.5) * width
     return start + across[:, None] * along + (rng.random(n) * depth)[:, None] * towards
+
+
+def _number(share: float, points: Points) -> int:
+    """How many foreign points are a share of all, at least one."""
+    return max(round(share / (1 - share) * len(points)), 1)
 
 
 def _random_side(sight: Points, rng: np.random.Generator) -> Points:

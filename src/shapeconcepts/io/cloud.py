@@ -71,6 +71,15 @@ def checked_lines(text: str) -> list[str]:
     return lines
 
 
+def is_number(word: str) -> bool:
+    """Whether a word of a text is a number."""
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
 def number_table(
     lines: list[str], columns: Sequence[int] | None = None, delimiter: str | None = None
 ) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from io import BytesIO
 from os import PathLike
@@ -22,6 +23,7 @@ KINECT_SIZE = (640, 480)
 DEPTH_SUFFIXES = (".png", ".tif", ".tiff")
 # Pillow knows more, and starts other programs for some of them.
 PNG, TIFF = ("PNG",), ("TIFF",)
+MASK_SUFFIXES = (".png", ".bmp", ".gif", ".jpg", ".jpeg", ".ppm", ".tif", ".tiff")
 MASK_FORMATS = ("PNG", "BMP", "GIF", "JPEG", "PPM", "TIFF")
 # One channel of 16 or 32 bits, or of floating point numbers.
 TIFF_MODES = ("I;16", "I;16B", "I;16L", "I", "F")
@@ -75,7 +77,7 @@ def depth_cloud(
     if depth_scale is None:
         depth_scale = METRES if depth.dtype.kind == "f" else MILLIMETRES
     measured = (depth > 0) & np.isfinite(depth)
-    if depth.dtype.kind != "f":
+    if depth.dtype.kind != "f" and depth.dtype.itemsize == 2:
         measured &= depth != _SATURATED
     if mask is not None:
         measured &= _mask(mask, (depth.shape[0], depth.shape[1]))
@@ -88,8 +90,8 @@ def depth_cloud(
     rows, columns = np.nonzero(measured)
     fx, fy, cx, cy = intrinsics
     points = np.empty((len(rows), 3))
-    with np.errstate(over="ignore"):
-        points[:, 2] = z = depth[rows, columns] * depth_scale
+    with np.errstate(over="ignore", invalid="ignore"):
+        points[:, 2] = z = depth[rows, columns].astype(np.float64) * depth_scale
         points[:, 0] = (columns - cx) / fx * z
         points[:, 1] = (rows - cy) / fy * z
     return Cloud(points, np.zeros(3), None, _unusual_depth(float(np.median(z))))
@@ -139,7 +141,9 @@ def _pixels(data: bytes, formats: tuple[str, ...], shape: tuple[int, int] | None
     except ScanError:
         raise
     except Exception as error:  # Pillow raises SyntaxError, OSError, ValueError and others
-        raise ScanError(f"is no image that can be read ({error})") from None
+        # Of bytes in memory, Pillow tells where they lie.
+        reason = re.sub(r" <_io\.BytesIO[^>]*>", "", str(error))
+        raise ScanError(f"is no image that can be read ({reason})") from None
 
 
 def _mask(mask: Mask, shape: tuple[int, int]) -> NDArray[np.bool_]:

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from shapeconcepts.io.cloud import Cloud, checked_lines, number_table
 from shapeconcepts.io.mesh import Mesh, Polygons
-from shapeconcepts.io.viewpoint import camera_frame_viewpoint
 from shapeconcepts.scan import ScanError
 
 # Texture coordinates, colours, normals, and a fourth or more coordinates may come with the vertices.
@@ -100,12 +99,12 @@ def _off_polygon(line: str) -> list[int]:
 def read_ascii_stl(data: bytes) -> Mesh:
     """Mesh of all solids in an STL file of text; ScanError says what is wrong with it."""
     vertices: list[str] = []
-    n_facets, keyword = 0, ""
+    n_facets, is_within = 0, False
     for line in checked_lines(data.decode("utf-8", "replace")):
         words = line.split()
-        if not words:
-            continue
-        keyword = words[0].lower()
+        keyword = words[0].lower() if words else ""
+        if keyword in ("facet", "endfacet"):
+            is_within = keyword == "facet"
         if keyword == "vertex":
             vertices.append(" ".join(words[1:]))
         elif keyword == "endfacet":
@@ -113,9 +112,9 @@ def read_ascii_stl(data: bytes) -> Mesh:
             if len(vertices) != 3 * n_facets:
                 n_corners = len(vertices) - 3 * (n_facets - 1)
                 raise ScanError(f"is damaged: facet {n_facets} has {n_corners} vertices, expected 3")
-    # Some programs leave the last line out.
-    if keyword not in ("endsolid", "endfacet") or len(vertices) != 3 * n_facets:
-        raise ScanError("is truncated: an ASCII STL file ends with endsolid, or endfacet at least")
+    # Some programs leave the last line out, or write more behind it.
+    if is_within or len(vertices) != 3 * n_facets:
+        raise ScanError("is truncated: its last facet has no end (endfacet)")
     if not n_facets:
         raise ScanError("is an STL file without facets")
     return Mesh(_coordinates(vertices), np.arange(3 * n_facets).reshape(-1, 3))
@@ -125,7 +124,7 @@ def _content(vertices: list[str], polygons: Polygons, file_size: int) -> Cloud |
     points = _coordinates(vertices)
     if polygons:
         return Mesh(points, polygons.triangles(file_size))
-    return Cloud(points, camera_frame_viewpoint(points))
+    return Cloud(points)
 
 
 def _coordinates(vertices: list[str]) -> NDArray[np.float64]:

@@ -26,8 +26,9 @@ MOST_COLUMNS = 16
 def read_npy(data: bytes) -> Cloud:
     """Cloud from an array of shape (n, 3 or more) or (h, w, 3 or more); ScanError says what is wrong."""
     array = _array(data)
-    labels, notices = labels_or_notice(lambda: _label_field(array))
-    return Cloud(_points(array), _viewpoint_fields(array), labels, notices)
+    labels, of_labels = labels_or_notice(lambda: _label_field(array))
+    viewpoint, of_viewpoint = value_or_notice("a viewpoint", lambda: _viewpoint_fields(array))
+    return Cloud(_points(array), viewpoint, labels, of_viewpoint + of_labels)
 
 
 def depth_of_npy(data: bytes) -> NDArray | None:
@@ -136,7 +137,7 @@ def _check_shape(array: NDArray) -> None:
     if len(shape) in (2, 3) and shape[0] == 3 < shape[-1] and (len(shape) == 2 or shape[2] > MOST_COLUMNS):
         raise ScanError(f"{what}, got {'(3, n)' if len(shape) == 2 else '(3, h, w)'}")
     if _is_image(shape):
-        raise ScanError(f"{what}; to be read as a depth image it needs intrinsics (fx, fy, cx, cy)")
+        raise ScanError(f"{what}; a depth image is read from .npy, with intrinsics (fx, fy, cx, cy)")
     if len(shape) not in (2, 3) or not 3 <= shape[-1] <= MOST_COLUMNS:
         raise ScanError(what)
     if len(shape) == 3 and array.dtype.itemsize == 1:

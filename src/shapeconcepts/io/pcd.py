@@ -71,12 +71,15 @@ def read_pcd(data: bytes) -> Cloud:
         points[:, column] = values
     label = next((name for name in LABEL_NAMES if name in header.fields), None)
     labels, of_labels = labels_or_notice(lambda: None if label is None else columns([label])[0])
-    declared, of_viewpoint = value_or_notice(
-        "a viewpoint", lambda: unless_default(_viewpoint(header.viewpoint))
-    )
-    if declared is None and header.fields.keys() >= set(VIEWPOINT_NAMES):
-        declared = unless_default(common_position(columns([*VIEWPOINT_NAMES])))
-    return Cloud(points, declared, labels, of_viewpoint + of_labels)
+
+    def declared() -> NDArray[np.float64] | None:
+        position = unless_default(_viewpoint(header.viewpoint))
+        if position is None and header.fields.keys() >= set(VIEWPOINT_NAMES):
+            position = unless_default(common_position(columns([*VIEWPOINT_NAMES])))
+        return position
+
+    viewpoint, of_viewpoint = value_or_notice("a viewpoint", declared)
+    return Cloud(points, viewpoint, labels, of_viewpoint + of_labels)
 
 
 def _columns(data: bytes, body: int, header: _Header) -> Callable[[list[str]], list[NDArray]]:

@@ -18,6 +18,7 @@ from shapeconcepts.io.cloud import (
     decoded_lines,
     labels_or_notice,
     number_table,
+    value_or_notice,
     without_mark,
 )
 from shapeconcepts.io.mesh import Mesh
@@ -72,13 +73,16 @@ def read_ply(data: bytes) -> Cloud | Mesh:
         )
         return Mesh(points, polygons.triangles(len(data)))
     label = next((name for name in LABEL_NAMES if name in vertex.names), None)
-    labels, notices = labels_or_notice(lambda: None if label is None else rows.columns([label])[0])
-    declared = viewpoint_in_comments(comments)
-    if declared is None and set(VIEWPOINT_NAMES) <= set(vertex.names):
-        declared = unless_default(common_position(rows.columns([*VIEWPOINT_NAMES])))
-    if declared is None:
-        declared = _camera_position(rows, data, others, is_text)
-    return Cloud(points, declared, labels, notices)
+    labels, of_labels = labels_or_notice(lambda: None if label is None else rows.columns([label])[0])
+
+    def declared() -> NDArray[np.float64] | None:
+        position = viewpoint_in_comments(comments)
+        if position is None and set(VIEWPOINT_NAMES) <= set(vertex.names):
+            position = unless_default(common_position(rows.columns([*VIEWPOINT_NAMES])))
+        return _camera_position(rows, data, others, is_text) if position is None else position
+
+    viewpoint, of_viewpoint = value_or_notice("a viewpoint", declared)
+    return Cloud(points, viewpoint, labels, of_viewpoint + of_labels)
 
 
 def _face_element(after_vertices: list[Element]) -> Element | None:

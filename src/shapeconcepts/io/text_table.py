@@ -6,15 +6,28 @@ import re
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from shapeconcepts.io.cloud import LABEL_NAMES, Cloud, decoded_lines, labels_or_notice, number_table
-from shapeconcepts.io.viewpoint import viewpoint_in_comments
+from shapeconcepts.io.cloud import (
+    LABEL_NAMES,
+    VIEWPOINT_NAMES,
+    Cloud,
+    decoded_lines,
+    is_number,
+    labels_or_notice,
+    number_table,
+    value_or_notice,
+)
+from shapeconcepts.io.viewpoint import common_position, unless_default, viewpoint_in_comments
 from shapeconcepts.scan import ScanError
 
 COMMENTS = ("#", "//", "%")
 # So many lines that number the points are no chance.
 _FEWEST_COUNTED = 10
-_DECIMAL_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?")
+_QUOTED = re.compile(r'"[-+.\d][^"]*"').search
+# Rows in which a decimal comma is looked for.
+_LOOKED_AT = 100
 
 
 class _Table(NamedTuple):
@@ -42,8 +55,10 @@ def read_text_table(data: bytes) -> Cloud:
     the names, these columns count, and `label`; otherwise x, y and z are the first three columns. A comment
     may tell the sensor's position: ``# viewpoint 0.1 0 0.5``.
     """
-    table = _table([line.strip() for line in decoded_lines(data) if line.strip()])
-    rows, delimiter = _with_decimal_points(table.rows)
+    lines = [line.strip() for line in decoded_lines(data) if line.strip()]
+    # Some spreadsheets quote numbers, too.
+    table = _table([line.replace('"', "") for line in lines] if any(map(_QUOTED, lines[-1:])) else lines)
+    rows, delimiter = _separated(table.rows)
     n_columns = len(rows[0].split(delimiter))
     if n_columns < 3:
         raise ScanError(f"has {n_columns} columns, x, y and z are expected")
@@ -56,10 +71,19 @@ def read_text_table(data: bytes) -> Cloud:
     if not is_open and len(rows[-1].split(delimiter)) != n_columns:
         raise ScanError(f"is truncated: the first point has {n_columns} columns, the last one another number")
     label = next((names.index(name) for name in LABEL_NAMES if name in names), None)
-    labels, notices = labels_or_notice(
+    labels, of_labels = labels_or_notice(
         lambda: None if label is None else number_table(rows, [label], delimiter).ravel()
     )
-    return Cloud(np.ascontiguousarray(points), viewpoint_in_comments(table.comments), labels, notices)
+
+    def declared() -> NDArray[np.float64] | None:
+        position = viewpoint_in_comments(table.comments)
+        if position is None and set(VIEWPOINT_NAMES) <= set(names):
+            columns = number_table(rows, [names.index(name) for name in VIEWPOINT_NAMES], delimiter)
+            position = unless_default(common_position(columns.T))
+        return position
+
+    viewpoint, of_viewpoint = value_or_notice("a viewpoint", declared)
+    return Cloud(np.ascontiguousarray(points), viewpoint, labels, of_viewpoint + of_labels)
 
 
 def _table(lines: list[str]) -> _Table:
@@ -72,7 +96,7 @@ def _table(lines: list[str]) -> _Table:
         words = re.split(r"[\s,;]+", line)
         if line.startswith(COMMENTS):
             comments.append(line.lstrip("#/% "))
-        elif not any(_is_number(word) for word in words):
+        elif not any(is_number(word) for word in words):
             titles.append(line)
         elif promised is None and len(words) == 1 and words[0].isdecimal():
             promised = int(words[0][:18])
@@ -81,29 +105,32 @@ def _table(lines: list[str]) -> _Table:
         first += 1
     rows = [line for line in lines[first:] if not line.startswith(COMMENTS)]
     if not rows:
-        raise ScanError("holds no points")
+        first_line = f" (its first line is {titles[0]!r:.60})" if titles else ""
+        raise ScanError(f"holds no points{first_line}")
     if promised is not None and promised > len(rows):
         raise ScanError(f"is truncated: it promises {promised} points, it has {len(rows)} lines of them")
     return _Table(rows, comments, titles, promised)
 
 
-def _with_decimal_points(rows: list[str]) -> tuple[list[str], str | None]:
+def _separated(rows: list[str]) -> tuple[list[str], str | None]:
     """Rows with points for decimal commas, and what stands between columns; None for blanks."""
-    first = rows[0]
-    if ";" in first:
-        return [row.replace(",", ".") for row in rows] if "," in first else rows, ";"
-    words = first.split()
-    if len(words) >= 3 and any(map(_DECIMAL_COMMA.fullmatch, words)):
+    first = rows[:_LOOKED_AT]
+    if any(";" in row for row in first):
+        rows = [row.replace(",", ".") for row in rows] if any("," in row for row in first) else rows
+        delimiter = ";"
+    elif any(_has_decimal_commas(row) for row in first):
         return [row.replace(",", ".") for row in rows], None
-    return rows, "," if "," in first else None
+    elif "," in rows[0]:
+        delimiter = ","
+    else:
+        return rows, None
+    # Some programs end each row as they end each number.
+    return [row.rstrip(f"{delimiter} ") for row in rows] if rows[0].endswith(delimiter) else rows, delimiter
 
 
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+def _has_decimal_commas(row: str) -> bool:
+    words = row.split()
+    return len(words) >= 3 and any(map(_DECIMAL_COMMA.fullmatch, words))
 
 
 def _columns(header: list[str], n_columns: int) -> _Columns:

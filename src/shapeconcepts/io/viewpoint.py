@@ -18,7 +18,9 @@ from shapeconcepts.scan import measured_rows
 _NUMBER = r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
 _IN_COMMENT = re.compile(
     r"\b(?:view[ _]?point|(?:sensor|camera)[ _](?:origin|position|cent(?:er|re)))\W+?"
-    + r"[\s,;]+".join([_NUMBER] * 3),
+    + r"[\s,;]+".join([_NUMBER] * 3)
+    # Behind a decimal comma the number goes on.
+    + r"(?![.,]?\d)",
     re.IGNORECASE,
 )
 # Depth sensors measure nothing nearer than this, metres.

@@ -11,7 +11,7 @@ from os import PathLike
 from pathlib import Path
 from typing import NamedTuple, Unpack
 
-from shapeconcepts.io.depth_image import DEPTH_SUFFIXES, Mask
+from shapeconcepts.io.depth_image import DEPTH_SUFFIXES, MASK_SUFFIXES, Mask
 from shapeconcepts.scan import Scan, ScanError, ScanWarning
 from shapeconcepts.sources.notices import in_few_words
 from shapeconcepts.sources.other_formats import refusal_of_format
@@ -102,7 +102,7 @@ def iter_scans(files: Iterable[ScanFile], **options: Unpack[ReadOptions]) -> Ite
         try:
             if file.failure:
                 raise ScanError(f"{file.path}: {file.failure}")
-            own_options: ReadOptions = {**options, "mask": _mask(file, options)}
+            own_options: ReadOptions = {**options, "mask": mask_of(file, options)}
             scan = read_scan_silently(file.path, **own_options)
             if file.is_found and (other := what_else_it_is(file.path)):
                 raise ScanError(f"{file.path}: {other}")
@@ -187,15 +187,27 @@ def existing_folder(folder: str | PathLike[str]) -> Path:
     return folder
 
 
-def _mask(file: ScanFile, options: ReadOptions) -> Mask | None:
-    """The mask of one of several files."""
+def mask_of(file: ScanFile, options: ReadOptions) -> Mask | None:
+    """The mask of one of several files: in a folder of masks, that of the same place and name.
+
+    It may have another suffix, as masks are images whatever the depths are in. Of a file that was named, and
+    not found in a folder, the folders in its path count from the last one on.
+    """
     suffix, mask = file.path.suffix.lower(), options.get("mask")
     is_depth = suffix in DEPTH_SUFFIXES or (suffix == ".npy" and options.get("intrinsics") is not None)
     if not is_depth:
         return None
-    if isinstance(mask, str | PathLike) and os.path.isdir(mask):
-        return Path(mask) / file.inside
-    return mask
+    if not (isinstance(mask, str | PathLike) and os.path.isdir(mask)):
+        return mask
+    places = [file.inside]
+    if not file.is_found:
+        parts = file.path.parts
+        places += [Path(*parts[-k:]) for k in range(2, len(parts)) if not Path(*parts[-k:]).is_absolute()]
+    for place in places:
+        for ending in (suffix, *MASK_SUFFIXES):
+            if os.path.exists(found := (Path(mask) / place).with_suffix(ending)):
+                return found
+    return Path(mask) / file.inside
 
 
 def _files_below(folder: Path) -> list[ScanFile]:

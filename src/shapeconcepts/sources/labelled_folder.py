@@ -36,7 +36,7 @@ def load_labelled(folder: str | PathLike[str], **options: Unpack[ReadOptions]) -
     ----------
     folder : path
     **options
-        Those of `read_scan`, for any other folder than the data sets'.
+        Those of `read_scan`. Scenes of `load_osd` and objects of `load_washington` are read as published.
 
     Returns
     -------
@@ -64,8 +64,8 @@ def _load(folder: Path, options: ReadOptions) -> ScanList:
     if _are_scenes(files):
         return load_osd(folder)
     if is_oscd(files):
-        return load_oscd(folder)
-    files = _labelled_by_folder(files)
+        return load_oscd(folder, **options)
+    files = labelled_by_folder(files)
     if all(file.label is None or file.failure for file in files):
         raise _nothing_labelled(folder)
     return collect(iter_scans(files, **options))
@@ -85,7 +85,8 @@ def _are_scenes(files: Sequence[ScanFile]) -> bool:
     return False
 
 
-def _labelled_by_folder(files: Sequence[ScanFile]) -> list[ScanFile]:
+def labelled_by_folder(files: Sequence[ScanFile]) -> list[ScanFile]:
+    """Files labelled by their outermost folder; of those in folders of splits, by the outermost other one."""
     # A single folder of that name may as well be a category of toy trains.
     read = [file for file in files if not file.failure]
     split = all(any(map(is_split_folder, file.inside.parts[:-1])) for file in read)

@@ -10,6 +10,7 @@ from typing import Unpack
 from shapeconcepts.parameters import check_integer
 from shapeconcepts.scan import Scan, ScanError
 from shapeconcepts.sources.collection import ScanFile, ScanList, Source, collect, find_scan_files, iter_scans
+from shapeconcepts.sources.labelled_folder import labelled_by_folder
 from shapeconcepts.sources.reader import ReadOptions, read_views
 
 _NAME = re.compile(r"(?P<mesh>.*)/view \d+ of (?P<count>\d+)", re.DOTALL)
@@ -44,9 +45,8 @@ def load_views(
         If `n_views` is not a positive integer.
     """
     check_integer("n_views", n_views, 1)
-    results = (
-        result for file in find_scan_files(source) for result in _views_or_error(file, n_views, options)
-    )
+    files = labelled_by_folder(find_scan_files(source))
+    results = (result for file in files for result in _views_or_error(file, n_views, options))
     return collect(results, strict=strict)
 
 

@@ -19,7 +19,10 @@ def in_few_words(notices: Iterable[tuple[str, str]], n_scans: int) -> list[str]:
     """
     found: dict[str, list[tuple[str, str]]] = {}
     for name, notice in notices:
-        what, _, advice = notice.partition(": ")
+        # What was found may quote something that has a colon itself.
+        what, colon, advice = notice.rpartition(": ")
+        if not colon:
+            what, advice = advice, ""
         found.setdefault(advice, []).append((name, what))
     sentences = []
     for advice, scans in found.items():

@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from os import PathLike
 from pathlib import Path
+from typing import Unpack
 
 from shapeconcepts.scan import Scan, ScanError
 from shapeconcepts.simulation.shapes import SHAPES
@@ -20,6 +21,7 @@ from shapeconcepts.sources.collection import (
     find_scan_files,
     iter_scans,
 )
+from shapeconcepts.sources.reader import ReadOptions
 
 # The paper's figures call the can "barrel" and the box "parcel".
 _SYNONYMS = {"barrel": "can", "parcel": "box", "teddybear": "teddy"}
@@ -33,7 +35,7 @@ _SPLITS = {"train": "training", "test": "testing"}
 _FOLDER_NAME = re.compile(r"(?:(train|test)(?:ing)?[\W_]*(?:set|data)?[\W_]*)?(.*)", re.DOTALL)
 
 
-def load_oscd(folder: str | PathLike[str]) -> ScanList:
+def load_oscd(folder: str | PathLike[str], **options: Unpack[ReadOptions]) -> ScanList:
     """Read the PCD files in folders that are named after the categories.
 
     Nothing but the paper tells how the data set's folders are called, so their names are read leniently:
@@ -46,6 +48,8 @@ def load_oscd(folder: str | PathLike[str]) -> ScanList:
     ----------
     folder : path
         The unpacked data set.
+    **options
+        Those of `read_scan`.
 
     Returns
     -------
@@ -63,7 +67,7 @@ def load_oscd(folder: str | PathLike[str]) -> ScanList:
     files = [file for file in find_scan_files(folder) if _is_pcd(file) or file.failure]
     if all(file.failure for file in files):
         raise ScanError(f"{folder}: holds no point cloud (.pcd)")
-    return collect(_scans(files))
+    return collect(_scans(files, options))
 
 
 def split_of(scan: Scan) -> str | None:
@@ -92,13 +96,13 @@ def is_split_folder(name: str) -> bool:
     return split is not None and not rest
 
 
-def _scans(files: Iterable[ScanFile]) -> Iterator[Scan | ScanError]:
+def _scans(files: Iterable[ScanFile], options: ReadOptions) -> Iterator[Scan | ScanError]:
     for file in files:
         category = _category(file.inside)
         if category is None and not file.failure:
             yield ScanError(f"{file.path}: is in no folder named after one of {', '.join(SHAPES)}")
         else:
-            yield from iter_scans([file._replace(label=category)])
+            yield from iter_scans([file._replace(label=category)], **options)
 
 
 def _is_pcd(file: ScanFile) -> bool:

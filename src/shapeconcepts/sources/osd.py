@@ -95,17 +95,21 @@ def scene_objects(scene: Scan) -> list[Scan]:
     if scene.point_labels is None:
         raise ScanError(f"{scene.name}: has no field label, which tells the objects of a scene apart")
     stem = Path(scene.name).stem
-    valid = measured_rows(scene.points) & (scene.points[:, 2] > 0.0)
-    valid &= scene.point_labels >= FIRST_OBJECT_LABEL
+    viewpoint = np.zeros(3) if scene.viewpoint is None and is_scene_name(stem) else scene.viewpoint
+    valid = measured_rows(scene.points) & (scene.point_labels >= FIRST_OBJECT_LABEL)
+    if viewpoint is not None and not viewpoint.any():
+        # Of the camera itself, what lies behind it was not measured.
+        valid &= scene.points[:, 2] > 0.0
     points, labels = scene.points[valid], scene.point_labels[valid]
     decades = labels // 10
     return [
         Scan(
             points[decades == decade],
-            viewpoint=np.zeros(3),
+            viewpoint=viewpoint,
             name=f"{stem}/{decade}",
             label=scene.label or scene_category(stem),
             point_labels=labels[decades == decade],
+            notices=scene.notices,
         )
         for decade in np.unique(decades)
     ]

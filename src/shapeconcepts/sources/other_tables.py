@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.io.cloud import decoded_lines
+from shapeconcepts.io.cloud import decoded_lines, is_number
 from shapeconcepts.io.regular_file import read_regular_file
 from shapeconcepts.scan import ScanError
 
@@ -51,14 +51,20 @@ def _table(path: Path) -> NDArray[np.float64] | None:
             return np.array(array[:_ENOUGH_ROWS], np.float64) if is_table else None
         if suffix not in TEXT_SUFFIXES:
             return None
-        start = read_regular_file(path)[:_ENOUGH_BYTES]
-        # The last line may not be whole.
-        lines = [line.strip() for line in decoded_lines(start[: start.rfind(b"\n") + 1] or start)]
+        content = read_regular_file(path)
+        start = content[:_ENOUGH_BYTES]
+        if len(start) < len(content):
+            # The last line is not whole.
+            start = start[: start.rfind(b"\n") + 1]
+        lines = [line.strip() for line in decoded_lines(start)]
         rows = [line for line in lines if line and not line.startswith(_COMMENTS)]
         words = [line.replace(",", " ").replace(";", " ").split() for line in rows[:_ENOUGH_ROWS]]
-        return np.array([[float(word) for word in row] for row in words]).reshape(len(words), -1)
+        first = next((i for i, row in enumerate(words) if len(row) > 1 and any(map(is_number, row))), 0)
+        return np.array([[float(word) for word in row] for row in words[first:]]).reshape(
+            len(words) - first, -1
+        )
     except (ScanError, ValueError, OSError):
-        # Something else stands in it, such as names of columns: whoever writes those means points.
+        # Something else than numbers stands in it.
         return None
 
 

@@ -121,7 +121,7 @@ def read_scan(
         images of 640 x 480 pixels, needed for any other size and for arrays.
     mask : path or (height, width) or (height, width, channels) array-like, optional
         Of a depth image: an image of its size (PNG, BMP, GIF, JPEG, PPM or TIFF), where the object is not 0
-        (in any colour channel; opacity does not count).
+        (in any colour channel; opacity does not count). Arrays of points have none.
     depth_scale : float, optional
         Of a depth image: metres per unit, by default 0.001 (millimetres) for whole numbers, 1 for others.
     units : {"m", "cm", "mm", "in", "ft"} or float
@@ -184,8 +184,6 @@ def read_scan_silently(path: str | PathLike[str], **options: Unpack[ReadOptions]
         elif depths is not None and intrinsics is not None:
             cloud = _read(path, lambda: depth_cloud(depths, intrinsics, mask, depth_scale, len(data)))
             scan = _scan_of_cloud(path, cloud, cloud.viewpoint)
-        elif mask is not None:
-            raise ScanError(f"{path}: holds no depth image, which alone can have a mask (and intrinsics)")
         else:
             scan = _scan(path, _read(path, lambda: _READERS[suffix](data)), scale, options.get("up"))
     return scan if isinstance(viewpoint, str) else replace(scan, viewpoint=position)
@@ -235,10 +233,11 @@ def _scan(path: Path, content: Cloud | Mesh, scale: float, up: Up | None) -> Sca
     if isinstance(content, Mesh):
         vertices = _upright(content, path.suffix.lower(), up) * scale
         return scan_mesh(vertices, content.faces, random_state=0, name=str(path))
-    cloud = content._replace(
-        points=content.points if scale == 1.0 else content.points * scale,
-        viewpoint=None if content.viewpoint is None else content.viewpoint * scale,
-    )
+    cloud = content
+    if scale != 1.0:
+        with np.errstate(over="ignore"):
+            viewpoint = None if content.viewpoint is None else content.viewpoint * scale
+            cloud = content._replace(points=content.points * scale, viewpoint=viewpoint)
     return _scan_of_cloud(path, cloud, viewpoint_of(cloud.points, cloud.viewpoint))
 
 
