@@ -297,3 +297,13 @@ def members_within(groups, number: int) -> frozenset[int]:
         if group == number:
             inside.add(one)
     return frozenset(inside)
+
+
+def test_fewer_groups_than_roots():
+    rows = np.kron(np.eye(3), np.ones((8, 4))) + np.kron(np.eye(3), np.random.default_rng(0).random((8, 4)))
+    groups = Filtration(min_concept_size=3).fit(rows).group_tree()
+    assert (groups.parents == -1).sum() == 3
+    distances = np.random.default_rng(1).random((2, 24))
+    means = groups.coarsest(1).mean_distances(distances, np.arange(24), np.full(2, -1))
+    inside = sorted(members_within(groups, 0))
+    np.testing.assert_allclose(means, distances[:, inside].mean(axis=1)[:, None])

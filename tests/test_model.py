@@ -31,6 +31,7 @@ from shapeconcepts import (
     get_descriptor,
     load_model,
 )
+from shapeconcepts.concepts import response as response_module
 from shapeconcepts.descriptors import Description
 from shapeconcepts.model import PRESETS
 from shapeconcepts.topology import jensen_shannon_divergences
@@ -591,3 +592,34 @@ def test_what_is_odd_in_scans_is_said_once(scans):
         ShapeConceptModel().fit([*scans[5:], *in_millimetres])
     [notice] = [str(one.message) for one in said if "metres" in str(one.message)]
     assert notice.startswith(f"5 of {len(scans)} scans: {scans[0].name} is ")
+
+
+def test_responses_of_groups_where_a_sample_stands_for_many(segmented, monkeypatch):
+    monkeypatch.setattr(response_module, "LEAST_MEMBERS", 2)
+    model = ShapeConceptModel(response=ConceptResponse(max_prototypes=8)).fit(segmented)
+    members = model.response_.prototype_rows_
+    assert len(members) < len(segmented) / 2
+    tree = model.filtration_.group_tree()
+    n_groups = len(tree.parents)
+    of_training, of_new = model.transform_tree(), model.transform_tree(segmented[:4])
+    for responses in (of_training, of_new):
+        assert np.isfinite(responses).all() and responses.min() >= 0 and responses.max() <= 1
+    divergences = jensen_shannon_divergences(model.stimuli_)
+    for group in range(n_groups):
+        # Of a group without a member in the sample, that of the smallest larger group with one.
+        wider = group
+        while not set(members_within(tree, wider)) & set(members):
+            wider = tree.parents[wider]
+        inside = np.intersect1d(members_within(tree, wider), members)
+        for scan in range(0, len(segmented), 7):
+            others = inside[inside != scan]
+            if len(others):
+                assert np.isclose(of_training[scan, group], divergences[scan, others].mean())
+
+
+def test_responses_of_groups_where_there_are_none(segmented):
+    with pytest.warns(UserWarning, match="no object is in a concept"):
+        model = ShapeConceptModel().fit(segmented[:2])
+    assert model.transform_tree().shape == (2, 0)
+    assert model.transform_tree(segmented[:3]).shape == (3, 0)
+    assert ShapeConceptModel().fit(segmented).transform_tree([]).shape[0] == 0

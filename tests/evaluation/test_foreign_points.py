@@ -7,6 +7,7 @@ import pytest
 from labelled_scans import simulated_objects
 from scipy.spatial import cKDTree
 
+from shapeconcepts import segment
 from shapeconcepts.evaluation.foreign_points import (
     FOREIGN_SHARE,
     table_strip,
@@ -50,3 +51,13 @@ def test_the_object_itself_stays():
     unknown = with_foreign_points(replace(segmented, viewpoint=None), other, 0, DESCRIPTOR)
     assert unknown is not None
     assert 0 < FOREIGN_SHARE < 1
+
+
+@pytest.mark.parametrize("n_points", [1, 2, 3])
+def test_objects_of_hardly_any_points(n_points):
+    points = np.array([[0.0, 0.0, 1.0], [0.1, 0.0, 1.0], [0.0, 0.1, 1.0]])[:n_points]
+    tiny = segment(points)
+    for number in (0, 1):
+        one = with_foreign_points(tiny, OBJECTS.segmented[-1], number, DESCRIPTOR)
+        assert one is None or one.n_segments >= 1
+        assert with_foreign_points(OBJECTS.segmented[0], tiny, number, DESCRIPTOR) is not None
