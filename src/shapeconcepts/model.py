@@ -18,6 +18,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.concepts import Concept, ConceptResponse, ConceptTree, Filtration
 from shapeconcepts.concepts.recognition import Recognition, concept_shares, foreign_segments
+from shapeconcepts.concepts.whole_objects import whole_divergences
 from shapeconcepts.descriptors import (
     DescribedObject,
     Descriptor,
@@ -33,7 +34,6 @@ from shapeconcepts.motifs.stimuli import with_empty_rows
 from shapeconcepts.parameters import StagesMixin, check_integer, check_parameters, choice
 from shapeconcepts.scan import ScanError
 from shapeconcepts.segmentation import SegmentedObject, Segmenter
-from shapeconcepts.topology import jensen_shannon_divergences
 
 PRESETS = ("default", "paper")
 
@@ -278,35 +278,12 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         stimuli = self.stimuli_ if described is None else self._rows(described, self.ensemble_.transform)
         own = np.arange(len(self.labels_)) if described is None else np.full(len(described), -1)
         by_stimuli = self.response_.distances(stimuli)
-        by_whole = self._whole_divergences(described, members)
+        is_object = ~np.isin(np.arange(len(self.labels_)), list(self.skipped_))
+        histograms = self.ensemble_.hierarchies_.object_histograms
+        by_whole = whole_divergences(histograms, is_object, members, described)
         return np.concatenate(
             [tree.mean_distances(distances, members, own) for distances in (by_stimuli, by_whole)], axis=1
         )
-
-    def _whole_divergences(
-        self, described: list[DescribedObject | None] | None, members: NDArray[np.int64]
-    ) -> NDArray[np.float64]:
-        """Of whole objects from those of some training scans; NaN where none is described.
-
-        Parameters
-        ----------
-        described : list of (DescribedObject or None), or None
-            None: all training scans.
-        members : (p,) int64
-            Training scans, none of them skipped.
-        """
-        is_object = ~np.isin(np.arange(len(self.labels_)), list(self.skipped_))
-        histograms = self.ensemble_.hierarchies_.object_histograms
-        known = histograms[np.cumsum(is_object)[members] - 1]
-        if described is None:
-            usable, rows = is_object, histograms
-        else:
-            usable = np.array([one is not None for one in described], bool)
-            whole = [one.description.whole().astype(known.dtype) for one in described if one]
-            rows = np.array(whole) if whole else known[:0]
-        all_rows = np.full((len(usable), len(known)), np.nan)
-        all_rows[usable] = jensen_shannon_divergences(rows, known)
-        return all_rows
 
     def predict(self, X: Iterable[object]) -> NDArray[np.int64]:
         """Concept of whose members each scan reminds most, -1 for a scan unlike all.
