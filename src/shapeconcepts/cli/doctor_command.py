@@ -43,7 +43,7 @@ def doctor() -> None:
     long as compiling does, up to a minute.
     """
     with busy("Looking at kernels"):
-        findings = [*_versions(), *_kernels(), *_segments(), *_runs()]
+        findings = [*_versions(), *_kernels(), *_kept(), *_runs()]
     print_table(("what", "found"), [(one.what, one.found) for one in findings], "found")
     ways_out = list(dict.fromkeys(one.way_out for one in findings if one.way_out))
     for way_out in ways_out:
@@ -103,19 +103,23 @@ def _kernel_folders() -> list[Path]:
     return sorted(folders)
 
 
-def _segments() -> Iterator[_Finding]:
+def _kept() -> Iterator[_Finding]:
+    """Segments and descriptions."""
     from shapeconcepts.io.array_cache import user_cache_folder
 
-    try:
-        folder = user_cache_folder() / "segments"
-    except OSError as error:
-        yield _Finding("segments", f"kept nowhere ({error})")
-        return
+    for what in ("segments", "descriptions"):
+        try:
+            yield _cache(what, user_cache_folder() / what)
+        except OSError as error:
+            yield _Finding(what, f"kept nowhere ({error})")
+
+
+def _cache(what: str, folder: Path) -> _Finding:
     sizes = [path.stat().st_size for path in folder.rglob("*") if path.is_file()]
     refusal = _why_not_writable(folder)
     way_out = f"{folder} cannot be written ({refusal}): allow it, or add --no-cache." if refusal else ""
     found = f"{folder}: {len(sizes)} files, {sum(sizes) / 1e6:.0f} MB"
-    yield _Finding("segments", f"{found}, {'not ' * bool(refusal)}writable", way_out)
+    return _Finding(what, f"{found}, {'not ' * bool(refusal)}writable", way_out)
 
 
 def _why_not_writable(folder: Path) -> str:
