@@ -116,7 +116,7 @@ def read_ascii_stl(data: bytes) -> Mesh:
     if is_within or len(vertices) != 3 * n_facets:
         raise ScanError("is truncated: its last facet has no end (endfacet)")
     if not n_facets:
-        raise ScanError("is an STL file without facets")
+        raise ScanError("is truncated, or an STL file without facets")
     return Mesh(_coordinates(vertices), np.arange(3 * n_facets).reshape(-1, 3))
 
 
