@@ -309,3 +309,13 @@ def test_a_mesh_that_cannot_be_scanned_is_named_once(tmp_path):
     with pytest.raises(ScanError) as caught:
         read_scan(path)
     assert str(caught.value).startswith(f"{path}: the mesh is ")
+
+
+@pytest.mark.parametrize("more", ["; made by somebody\n", "end of file\n", "\n\n"])
+def test_ascii_stl_with_more_behind_it(tmp_path, scanned, more):
+    text = exported("stl_ascii").decode()
+    read_scan(write(tmp_path, text.rstrip() + "\n" + more, "mesh.stl"))
+    np.testing.assert_allclose(
+        corners(scanned["vertices"], scanned["faces"]), corners(VERTICES, TRIANGLES), atol=1e-5
+    )
+    read_scan(write(tmp_path, text.replace("endsolid", "end solid"), "mesh.stl"))

@@ -99,12 +99,16 @@ def _off_polygon(line: str) -> list[int]:
 def read_ascii_stl(data: bytes) -> Mesh:
     """Mesh of all solids in an STL file of text; ScanError says what is wrong with it."""
     vertices: list[str] = []
-    n_facets, is_within = 0, False
+    n_facets, is_whole, has_ended = 0, False, False
     for line in checked_lines(data.decode("utf-8", "replace")):
         words = line.split()
-        keyword = words[0].lower() if words else ""
-        if keyword in ("facet", "endfacet"):
-            is_within = keyword == "facet"
+        if not words:
+            continue
+        keyword = words[0].lower()
+        # Some programs leave the last line out, or write more behind it.
+        is_end = keyword == "endsolid" or [word.lower() for word in words[:2]] == ["end", "solid"]
+        is_whole = keyword == "endfacet" or is_end or (is_whole and has_ended)
+        has_ended = is_end or (has_ended and keyword != "facet")
         if keyword == "vertex":
             vertices.append(" ".join(words[1:]))
         elif keyword == "endfacet":
@@ -112,11 +116,10 @@ def read_ascii_stl(data: bytes) -> Mesh:
             if len(vertices) != 3 * n_facets:
                 n_corners = len(vertices) - 3 * (n_facets - 1)
                 raise ScanError(f"is damaged: facet {n_facets} has {n_corners} vertices, expected 3")
-    # Some programs leave the last line out, or write more behind it.
-    if is_within or len(vertices) != 3 * n_facets:
-        raise ScanError("is truncated: its last facet has no end (endfacet)")
+    if not is_whole or len(vertices) != 3 * n_facets:
+        raise ScanError("is truncated: an ASCII STL file ends with endsolid, or endfacet at least")
     if not n_facets:
-        raise ScanError("is truncated, or an STL file without facets")
+        raise ScanError("is an STL file without facets")
     return Mesh(_coordinates(vertices), np.arange(3 * n_facets).reshape(-1, 3))
 
 
