@@ -5,8 +5,8 @@
 
 `make` describes simulated scans of the seven categories in turn, with imagined occlusions, and keeps them in
 files of 500; what is there already is not made again. `fit` learns from the first so many, each number in a
-process of its own: seconds, peak memory, prototypes and size of the model file;
-and the time of a response, from points, reading included, in one thread, to 20 new scans.
+process of its own: seconds, peak memory, prototypes, size of the model file, concepts with their scores by
+labels, and the time of a response to a new scan, from points, reading included, in one thread.
 """
 
 import os
@@ -38,6 +38,7 @@ from shapeconcepts import (
     load_model,
     segment,
 )
+from shapeconcepts.evaluation import grouping_scores
 from shapeconcepts.io.write_pcd import write_pcd
 from shapeconcepts.parallel import map_in_order
 from shapeconcepts.simulation.categories import CATEGORIES
@@ -104,6 +105,9 @@ def fit(folder: Path, seed: int, n_scans: int, jobs: int) -> dict[str, float]:
     start = time.perf_counter()
     model.fit(objects)
     seconds = time.perf_counter() - start
+    peak = _peak()
+    scores = grouping_scores(model.labels_, np.array([one.label for one in objects]))
+    del objects
     with TemporaryDirectory() as place:
         path = Path(place) / "model"
         model.save(path)
@@ -111,15 +115,17 @@ def fit(folder: Path, seed: int, n_scans: int, jobs: int) -> dict[str, float]:
         size = path.stat().st_size
         response = _response_seconds(loaded, Path(place))
     return {
-        "scans": len(objects),
+        "scans": n_scans,
         "fit": seconds,
-        "peak": _peak() / 2**30,
+        "peak": peak / 2**30,
         "objects": before / 2**30,
         "prototypes": len(model.ensemble_.hierarchies_.prototypes),
         "columns": model.stimuli_.shape[1],
         "model": size / 2**20,
         "response": 1000 * response,
         "concepts": len(model.concepts_),
+        "explained": scores.explained,
+        "information": scores.adjusted_mutual_information,
     }
 
 
@@ -165,7 +171,7 @@ def main() -> None:
         rows.append([f"{value:.4g}" for value in found.values()])
         print(*rows[-1], flush=True)
     titles = ("scans", "fit, s", "peak, GB", "objects, GB", "prototypes", "columns", "model, MB")
-    print_table((*titles, "response, ms", "concepts"), rows)
+    print_table((*titles, "response, ms", "concepts", "explained", "AMI"), rows)
 
 
 if __name__ == "__main__":
