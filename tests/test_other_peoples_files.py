@@ -465,6 +465,12 @@ def test_ways_of_spreadsheets(tmp_path, text):
     assert (scan.point_labels is None) == ("label" not in text)
 
 
+@pytest.mark.parametrize("name", ["viewpoint", "sensor_origin", "camera_position"])
+def test_positions_in_archives(tmp_path, name):
+    np.savez(tmp_path / "a.npz", xyz=BOX, **{name: POSITION})
+    np.testing.assert_array_equal(read_scan(tmp_path / "a.npz").viewpoint, POSITION)
+
+
 def test_positions_in_tables_and_what_is_none(tmp_path):
     text = "x,y,z,vp_x,vp_y,vp_z\n" + table(np.c_[BOX, np.tile(POSITION, (7200, 1))], ",")
     scan = read_scan(write(tmp_path / "a.csv", text))

@@ -19,6 +19,7 @@ from shapeconcepts.scan import ScanError
 PIECE = 2**20
 LONGEST_HEADER = 2**17
 POINTS_NAMES = ("points", "xyz", "pc", "pcd", "point_cloud", "pointcloud", "cloud", "vertices", "pos")
+POSITION_NAMES = ("viewpoint", "sensor_origin", "sensor_position", "camera_position", "camera_center")
 # Coordinates with normals, colours, intensities and labels have no more columns.
 MOST_COLUMNS = 16
 
@@ -42,8 +43,8 @@ def depth_of_npy(data: bytes) -> NDArray | None:
 def read_npz(data: bytes) -> Cloud:
     """Cloud from an archive with the array `points`, optionally `viewpoint` and `labels`.
 
-    Points may also be called as in `POINTS_NAMES`; the only array of an archive is taken for the points
-    whatever its name. ScanError says what is wrong with it.
+    Points may also be called as in `POINTS_NAMES`, the viewpoint as in `POSITION_NAMES`; the only array of an
+    archive is taken for the points whatever its name. ScanError says what is wrong with it.
     """
     try:
         archive = zipfile.ZipFile(BytesIO(data))
@@ -51,7 +52,7 @@ def read_npz(data: bytes) -> Cloud:
         raise ScanError(f"is not an NPZ archive ({error})") from None
     names = archive.namelist()
     points_name = next((name for name in POINTS_NAMES if f"{name}.npy" in names), None)
-    others = {name: f"{name}.npy" for name in ("viewpoint", *LABEL_NAMES) if f"{name}.npy" in names}
+    others = {name: f"{name}.npy" for name in (*POSITION_NAMES, *LABEL_NAMES) if f"{name}.npy" in names}
     if points_name is None and (others or len(names) != 1):
         raise ScanError(f"has no array points, only {', '.join(names[:10]) or 'nothing'}")
     member = names[0] if points_name is None else f"{points_name}.npy"
@@ -63,12 +64,13 @@ def read_npz(data: bytes) -> Cloud:
     points = _points(array)
 
     def declared() -> NDArray[np.float64] | None:
-        if "viewpoint" not in others:
+        name = next((name for name in POSITION_NAMES if name in others), None)
+        if name is None:
             return _viewpoint_fields(array)
-        position = _array(_member(archive, others["viewpoint"]))
+        position = _array(_member(archive, others[name]))
         if position.shape != (3,) or position.dtype.names:
             raise ScanError(
-                f"the array viewpoint must be 3 numbers, got {position.dtype} of shape {position.shape}"
+                f"the array {name} must be 3 numbers, got {position.dtype} of shape {position.shape}"
             )
         return position.astype(np.float64)
 
