@@ -61,8 +61,11 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
     if not kept.any():
         raise ScanError(f"{name}: none of its {len(kept)} points is finite")
     # Published clouds of a fixed number of points repeat some of them.
-    kept[kept] = first_of_equals(scan.points[kept])
     points = scan.points if kept.all() else scan.points[kept]
+    is_first = first_of_equals(points)
+    if not is_first.all():
+        kept[kept] = is_first
+        points = points[is_first]
     if np.abs(points).max() > LARGEST:
         raise ScanError(
             f"{name}: coordinates up to {np.abs(points).max():.3g}, expected metres (at most 1e9)"

@@ -49,10 +49,17 @@ def seen_through(points: NDArray[np.float64], voxel_size: float, viewpoint: NDAr
     if depths.min() <= 0.0:
         return 0.0
     sides = np.linalg.svd(axis[None])[2][1:]
-    cells = np.rint(rays @ sides.T / depths[:, None] * (distance / (_CELL * voxel_size)))
-    order = np.lexsort((depths, cells[:, 1], cells[:, 0]))
+    # Absurdly small voxels have cells beyond all numbers, and nothing to be told of.
+    with np.errstate(over="ignore", invalid="ignore"):
+        across, down = np.rint(rays @ sides.T / depths[:, None] * (distance / (_CELL * voxel_size))).T
+        cells = (across - across.min()) * (np.ptp(down) + 1.0) + down
+        # By cell, then by depth, in one sort.
+        keys = cells + 0.5 * (depths - depths.min()) / max(float(np.ptp(depths)), 1e-12)
+    if not np.isfinite(keys).all():
+        return 0.0
+    order = np.argsort(keys)
     cells, depths = cells[order], depths[order]
-    is_new = np.append(True, (np.diff(cells, axis=0) != 0).any(axis=1))
+    is_new = np.append(True, np.diff(cells) != 0.0)
     is_behind = np.append(False, np.diff(depths) > _GAP * voxel_size) & ~is_new
     cell = np.cumsum(is_new) - 1
     is_double = np.bincount(cell, is_behind) > 0
