@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from model_file_examples import LIKE_THE_PAPER, fitted_model
 from shapeconcepts.scan import Scan
 from shapeconcepts.sources import reader
 
@@ -33,3 +34,19 @@ def scanned(monkeypatch):
 
     monkeypatch.setattr(reader, "scan_mesh", scan_mesh)
     return seen
+
+
+@pytest.fixture(scope="module")
+def default(tmp_path_factory):
+    """File of a sound model."""
+    path = tmp_path_factory.mktemp("sound") / "model"
+    fitted_model().save(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def like_the_paper(tmp_path_factory):
+    """File of a sound model with motifs as columns."""
+    path = tmp_path_factory.mktemp("sound") / "model"
+    fitted_model(**LIKE_THE_PAPER).save(path)
+    return path

@@ -28,20 +28,6 @@ from shapeconcepts import (
 from shapeconcepts.descriptors.registry import DESCRIPTORS, get_descriptor
 
 
-@pytest.fixture(scope="module")
-def default(tmp_path_factory):
-    path = tmp_path_factory.mktemp("sound") / "model"
-    fitted_model().save(path)
-    return path
-
-
-@pytest.fixture(scope="module")
-def like_the_paper(tmp_path_factory):
-    path = tmp_path_factory.mktemp("sound") / "model"
-    fitted_model(**LIKE_THE_PAPER).save(path)
-    return path
-
-
 @pytest.fixture
 def path(tmp_path):
     return tmp_path / "model"

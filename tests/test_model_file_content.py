@@ -8,23 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model_file_examples import LIKE_THE_PAPER, described_objects, differences, fitted_model, forge, refusal
+from model_file_examples import described_objects, differences, forge, refusal
 from shapeconcepts import ModelError, load_model
 from shapeconcepts.model_file.layout import LAYOUT
-
-
-@pytest.fixture(scope="module")
-def default(tmp_path_factory):
-    path = tmp_path_factory.mktemp("sound") / "model"
-    fitted_model().save(path)
-    return path
-
-
-@pytest.fixture(scope="module")
-def like_the_paper(tmp_path_factory):
-    path = tmp_path_factory.mktemp("sound") / "model"
-    fitted_model(**LIKE_THE_PAPER).save(path)
-    return path
 
 
 @pytest.fixture(params=["default", "like_the_paper"])

@@ -30,7 +30,7 @@ class DescriptionCache(ArrayCache):
         kept = self.load_arrays(key)
         if kept is None:
             return None
-        return [_unpack(with_prefix(f"{index}/", kept)) for index in range(int(kept["n_objects"]))]
+        return [_unpack(arrays) for arrays in kept]
 
     def store(self, key: str, objects: list[DescribedObject]) -> None:
         """Keep objects, without their names and labels.
@@ -40,10 +40,7 @@ class DescriptionCache(ArrayCache):
         OSError
             If the folder cannot be written.
         """
-        arrays = {"n_objects": np.array(len(objects))}
-        for index, one in enumerate(objects):
-            arrays |= {f"{index}/{name}": array for name, array in _pack(one).items()}
-        self.store_arrays(key, arrays)
+        self.store_arrays(key, [_pack(one) for one in objects])
 
 
 def _pack(one: DescribedObject) -> dict[str, NDArray[Any]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -54,8 +54,8 @@ class ArrayCache:
         digest.update(content)
         return digest.hexdigest()
 
-    def load_arrays(self, key: str) -> dict[str, NDArray[Any]] | None:
-        """The arrays of an entry by name; None where there is none, or it is damaged."""
+    def load_arrays(self, key: str) -> list[dict[str, NDArray[Any]]] | None:
+        """The arrays of each object of an entry by name; None where there is none, or it is damaged."""
         try:
             content = read_regular_file(self._path(key))
         except ScanError:
@@ -64,19 +64,23 @@ class ArrayCache:
         digest, arrays = content[:_DIGEST_SIZE], content[_DIGEST_SIZE:]
         if digest != _digest(key, arrays):
             return None
-        with np.load(BytesIO(arrays), allow_pickle=False) as kept:
-            return dict(kept)
+        with np.load(BytesIO(arrays), allow_pickle=False) as archive:
+            kept = dict(archive)
+        return [with_prefix(f"{index}/", kept) for index in range(int(kept["n_objects"]))]
 
-    def store_arrays(self, key: str, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Keep arrays.
+    def store_arrays(self, key: str, objects: Sequence[Mapping[str, NDArray[Any]]]) -> None:
+        """Keep the arrays of objects.
 
         Raises
         ------
         OSError
             If the folder cannot be written.
         """
+        arrays = {
+            f"{index}/{name}": array for index, one in enumerate(objects) for name, array in one.items()
+        }
         content = BytesIO()
-        np.savez(content, **arrays)  # type: ignore[arg-type]
+        np.savez(content, n_objects=np.array(len(objects)), **arrays)  # type: ignore[arg-type]
         path = self._path(key)
         path.parent.mkdir(parents=True, exist_ok=True)
         # What is there is damaged, or no file at all, which nothing would replace.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.io.array_cache import ArrayCache, code_fingerprint, user_cache_folder, with_prefix
+from shapeconcepts.io.array_cache import ArrayCache, code_fingerprint, user_cache_folder
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 # What a segmented object depends on, apart from the scan and the parameters.
@@ -44,7 +44,7 @@ class SegmentCache(ArrayCache):
         kept = self.load_arrays(key)
         if kept is None:
             return None
-        return [_unpack(with_prefix(f"{index}/", kept)) for index in range(int(kept["n_objects"]))]
+        return [_unpack(arrays) for arrays in kept]
 
     def store(self, key: str, objects: list[SegmentedObject]) -> None:
         """Keep objects.
@@ -54,14 +54,17 @@ class SegmentCache(ArrayCache):
         OSError
             If the folder cannot be written.
         """
-        arrays = {"n_objects": np.array(len(objects))}
-        for index, one in enumerate(objects):
-            for field in fields(one):
-                value = getattr(one, field.name)
-                # An empty tuple is as good as none.
-                if value is not None and not (isinstance(value, tuple) and not value):
-                    arrays[f"{index}/{field.name}"] = np.asarray(value)
-        self.store_arrays(key, arrays)
+        self.store_arrays(key, [_pack(one) for one in objects])
+
+
+def _pack(one: SegmentedObject) -> dict[str, NDArray[Any]]:
+    values = {field.name: getattr(one, field.name) for field in fields(one)}
+    # An empty tuple is as good as none.
+    return {
+        name: np.asarray(value)
+        for name, value in values.items()
+        if value is not None and not (isinstance(value, tuple) and not value)
+    }
 
 
 def _unpack(values: dict[str, NDArray[Any]]) -> SegmentedObject:
