@@ -14,6 +14,7 @@ from shapeconcepts import DescribedObject, ModelError, Scan, ShapeConceptModel, 
 from shapeconcepts.descriptors import DescribedOcclusion, Description, Descriptor
 from shapeconcepts.descriptors.registry import get_descriptor
 from shapeconcepts.model_file.container import read_container, write_container
+from shapeconcepts.model_file.layout import widened
 from shapeconcepts.parameters import StagesMixin
 
 # Computed when they are first asked for.
@@ -21,10 +22,9 @@ LAZY = {
     "_field",
     "_reminder_field",
     "_training_stimuli",
-    "_known",
+    "rows",
     "prototypes_of",
     "prototype_entropies",
-    "support",
     "_vertex_of",
 }
 
@@ -80,6 +80,7 @@ def fitted_model(**parameters: Any) -> ShapeConceptModel:
 def forge(source: Path, target: Path, change: Callable[[dict[str, Any], dict[str, Any]], object]) -> Path:
     """Change tensors or description of a model file; the checksum is right again."""
     tensors, description = read_container(source)
+    tensors = {name: tensor.copy() for name, tensor in widened(tensors).items()}
     change(tensors, description)
     tensors = {name: np.ascontiguousarray(tensor) for name, tensor in tensors.items()}
     write_container(target, tensors, description)

@@ -13,7 +13,14 @@ import pytest
 from safetensors import safe_open
 from sklearn.exceptions import NotFittedError
 
-from model_file_examples import DESCRIPTOR, LIKE_THE_PAPER, described_objects, differences, fitted_model
+from model_file_examples import (
+    DESCRIPTOR,
+    LIKE_THE_PAPER,
+    described_objects,
+    differences,
+    fitted_model,
+    refusal,
+)
 from shapeconcepts import (
     FPFH,
     Joint,
@@ -444,3 +451,21 @@ def test_scans_of_the_simulated_sensor(preset, parameters, path):
         answers = [getattr(one, answer)([new, scans[0]]) for one in (model, loaded)]
         assert differences(*answers) == []
     assert differences(model.explain(scans[7]), loaded.explain(scans[7])) == []
+
+
+def test_a_thinned_model_answers_and_learns_on_like_the_one_that_was_saved(tmp_path):
+    model = fitted_model(ensemble__max_columns=50)
+    assert model.ensemble_.hierarchies_.is_thinned
+    path = tmp_path / "model"
+    model.save(path)
+    tensors, _ = read_container(path)
+    assert (tensors["stimuli.columns"].dtype, tensors["stimuli.values"].dtype) == (np.uint16, np.float16)
+    loaded = load_model(path)
+    assert differences(model, loaded) == []
+    assert differences(model.stimuli_, loaded.stimuli_) == []
+    more = described_objects(5, seed=1)
+    assert differences(model.ensemble_.partial_fit(more), loaded.ensemble_.partial_fit(more)) == []
+    assert differences(model.ensemble_.stimuli_, loaded.ensemble_.stimuli_) == []
+    tensors["prototypes.counts"][:] = 1
+    write_container(path, tensors, read_container(path)[1])
+    assert "prototypes" in refusal(path)

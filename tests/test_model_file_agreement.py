@@ -87,7 +87,7 @@ def one_column_less(tensors, description):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (stage("ensemble", max_columns=50), "stimuli.sources must hold 50 of"),
+        (stage("ensemble", max_columns=50), "prototypes.counts must say that "),
         (one_column_less, "stimuli.sources must hold "),
         (stage("ensemble", columns="motifs"), "stimuli.sources must hold "),
         (stage("ensemble", leave_own_out=False), "ensemble.leave_own_out is false, no entry"),

@@ -16,6 +16,7 @@ from joblib._parallel_backends import LokyBackend
 from joblib.externals.loky.backend import resource_tracker as loky_resource_tracker
 from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
+from shapeconcepts.cluster import active_cluster, map_on_cluster
 from shapeconcepts.interruption import end_with_parent, signals_kept_from_children, uninterrupted
 
 Item = TypeVar("Item")
@@ -43,8 +44,8 @@ def map_in_order(
     """Results of work on items, in their order.
 
     A few jobs are threads, more are processes (loky), unless ``joblib.parallel_config(backend=...)`` says
-    otherwise, which reaches a cluster. Work is sent along with each chunk of items: it should carry
-    parameters, not data. Processes end with this one.
+    otherwise. With the backend "dask", a cluster does the work; see `map_on_cluster`. Otherwise, work is sent
+    along with each chunk of items: it should carry parameters, not data. Processes end with this one.
 
     Parameters
     ----------
@@ -69,6 +70,10 @@ def map_in_order(
         at_once = min(max(len(items) // (_CHUNKS_PER_JOB * n_jobs), 1), MOST_AT_ONCE)
     remaining = iter(items)
     chunks = iter(lambda: list(islice(remaining, at_once)), [])
+    if client := active_cluster():
+        for results in map_on_cluster(client, partial(_work_on, work), chunks):
+            yield from results
+        return
     tasks = (delayed(_work_on)(work, chunk) for chunk in chunks)
     few = n_jobs <= MOST_THREADS and not own_process
     prefer = "threads" if share_memory or few else "processes"

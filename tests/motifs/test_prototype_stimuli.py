@@ -20,7 +20,7 @@ from scipy.sparse import csr_matrix, vstack
 
 from shapeconcepts import MotifHierarchyEnsemble, SegmentDictionary, describe, read_scan, segment
 from shapeconcepts.motifs.decomposition import decompose
-from shapeconcepts.motifs.prototype_stimuli import PrototypeField, sampled_prototypes
+from shapeconcepts.motifs.prototype_stimuli import PrototypeField
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*different segment descriptions give")
 N_TRAIN = 24
@@ -335,45 +335,3 @@ def test_equal_prototypes_have_equal_scales():
     twins = model.hierarchies_.prototype_objects < 2
     np.testing.assert_array_equal(field.scales[twins], np.float64(1e-3))
     assert (field.scales >= 1e-3).all() and (field.scales <= 1).all()
-
-
-def test_a_sample_of_prototypes_stands_for_all(dictionary, train, new):
-    whole = MotifHierarchyEnsemble(dictionary).fit(train)
-    model = MotifHierarchyEnsemble(dictionary, max_columns=20).fit(train)
-    assert len(model.columns_) == 20 < len(whole.columns_)
-    assert (np.diff(model.columns_) > 0).all()
-    assert (
-        model.stimuli_.shape[1] == model.transform(new).shape[1] == len(model.get_feature_names_out()) == 20
-    )
-    names = whole.get_feature_names_out()
-    np.testing.assert_array_equal(model.get_feature_names_out(), names[model.columns_])
-    for one, row in zip(new[:5], model.transform(new[:5]).toarray(), strict=True):
-        fired = {motif.column for motif in model.explain(one).motifs}
-        assert fired <= set(np.flatnonzero(row).tolist())
-    # The same constellations, whatever the order of the objects.
-    other = MotifHierarchyEnsemble(dictionary, max_columns=20).fit(train[::-1])
-    assert sorted(map(bytes, other.hierarchies_.prototypes[other.columns_])) == sorted(
-        map(bytes, model.hierarchies_.prototypes[model.columns_])
-    )
-
-
-@pytest.mark.parametrize("n_most", [1, 50, 100, 101])
-def test_sampled_prototypes(n_most):
-    rng = np.random.default_rng(0)
-    histograms = rng.dirichlet(np.ones(8), 100).astype(np.float32)
-    sampled = sampled_prototypes(histograms, n_most)
-    assert len(np.unique(sampled)) == min(n_most, 100)
-    order = rng.permutation(100)
-    again = order[sampled_prototypes(histograms[order], n_most)]
-    np.testing.assert_array_equal(np.sort(again), sampled)
-    # Neither the last bits nor anything but the prototypes themselves.
-    wiggled = histograms * np.float32(1 + 1e-7)
-    assert len(np.setdiff1d(sampled_prototypes(wiggled, n_most), sampled)) <= 1
-
-
-def test_a_sample_follows_how_frequent_prototypes_are():
-    rng = np.random.default_rng(0)
-    flat, steep = np.linspace(1, 2, 16), np.linspace(0, 3, 16)
-    histograms = np.concatenate([rng.dirichlet(50 * flat, 3000), rng.dirichlet(50 * steep + 1, 1000)])
-    sampled = sampled_prototypes(histograms.astype(np.float32), 1000)
-    assert 690 < (sampled < 3000).sum() < 810

@@ -31,7 +31,7 @@ from shapeconcepts.cli.terminal import fail, print_table, say_notices, tell, tel
 
 if TYPE_CHECKING:
     from shapeconcepts.model import ShapeConceptModel
-    from shapeconcepts.motifs.explanation import Explanation
+    from shapeconcepts.motifs.explanation import Explanation, SimilarPrototype
     from shapeconcepts.segmentation.segmented_object import SegmentedObject
     from shapeconcepts.sources.collection import ScanFile
 
@@ -214,16 +214,18 @@ def _verdict(model: ShapeConceptModel, concept: int, responses: list[float]) -> 
 
 def _motif_rows(explanation: Explanation) -> Iterator[tuple[str, ...]]:
     for motif in explanation.motifs[:_MOTIFS_SHOWN]:
-        closest = [
-            f"{prototype.object_name or prototype.object_index} ({prototype.divergence:.3f})"
-            for prototype in motif.closest[:_PROTOTYPES_SHOWN]
-        ]
+        closest = [_reminded_of(prototype) for prototype in motif.closest[:_PROTOTYPES_SHOWN]]
         yield (
             f"{motif.stimulus:.3f}",
             motif.name if motif.words else "none",
             " ".join(map(str, motif.segments)),
             ", ".join(closest),
         )
+
+
+def _reminded_of(prototype: SimilarPrototype) -> str:
+    like_it = f", {prototype.count - 1:,} like it" if prototype.count > 1 else ""
+    return f"{prototype.object_name or prototype.object_index} ({prototype.divergence:.3f}{like_it})"
 
 
 def _document(
@@ -251,6 +253,8 @@ def _document(
                         "scan": prototype.object_name,
                         "segments": list(prototype.segments),
                         "divergence": prototype.divergence,
+                        "count": prototype.count,
+                        "others": list(prototype.others),
                     }
                     for prototype in motif.closest
                 ],

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import typer
 
+from shapeconcepts.cli.cluster_option import Cluster, on_cluster
 from shapeconcepts.cli.concept_summary import in_words, model_summary, other_cuts_in_words, print_concepts
 from shapeconcepts.cli.model_input import one_thread
 from shapeconcepts.cli.object_reader import (
@@ -137,6 +138,7 @@ def learn(
     units: Units = "m",
     up: Up = None,
     jobs: Jobs = -1,
+    cluster: Cluster = None,
     no_cache: Annotated[
         bool,
         typer.Option(
@@ -176,8 +178,15 @@ def learn(
                 param_hint="--scale",
             )
         descriptor = "surflet+fpfh+curvature+distance"
+    if cluster is not None and mask is not None:
+        mask = mask.absolute()
     reading = read_options(intrinsics, depth_scale, mask, units, up)
     sources: list[ScanFile | SimulatedObject] = [*scan_files(data, mask)] if data else simulated_objects()
+    if cluster is not None:
+        # Workers were started elsewhere.
+        sources = [
+            one._replace(path=one.path.absolute()) if isinstance(one, tuple) else one for one in sources
+        ]
     learner = _learner(preset)
     set_from_options(
         learner,
@@ -201,7 +210,8 @@ def learn(
         n_occlusions=learner.get_params()["ensemble__n_occlusions"],
         n_views=views,
     )
-    with one_thread():
+    learner.set_params(n_jobs=jobs)
+    with one_thread(), on_cluster(cluster, jobs):
         collection = _collect(sources, reader, jobs, strict)
         with busy("Learning concepts"), warnings_said():
             learner.fit(collection.described)

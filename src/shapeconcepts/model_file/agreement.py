@@ -66,11 +66,15 @@ def check_ensemble(
     )
     object_of_row = np.cumsum(~np.isin(np.arange(stimuli.shape[0]), skipped)) - 1
     if ensemble.columns == "prototypes":
-        expected = min(len(known.prototypes), ensemble.max_columns)
+        n_all = len(known.prototypes)
         require(
-            len(sources) == expected,
-            f"tensor stimuli.sources must hold {expected} of {len(known.prototypes)} prototypes, as "
-            f"ensemble.max_columns is {ensemble.max_columns}, got {len(sources)}",
+            known.is_thinned or n_all <= ensemble.max_columns,
+            f"tensor prototypes.counts must say that {n_all} prototypes stand for more, as "
+            f"ensemble.max_columns is {ensemble.max_columns}",
+        )
+        require(
+            len(sources) == n_all,
+            f"tensor stimuli.sources must hold the {n_all} prototypes, got {len(sources)}",
         )
         rows = np.repeat(object_of_row, np.diff(stimuli.indptr))
         is_own = known.prototype_objects[sources][stimuli.indices] == rows
@@ -101,6 +105,9 @@ def _check_dictionary(ensemble: MotifHierarchyEnsemble) -> None:
         f"ensemble.dictionary.n_levels is {dictionary.n_levels}, "
         f"tensor dictionary.level_sizes has {n_levels}",
     )
+    if known.is_thinned:
+        # Of most segments nothing is left to compare with.
+        return
     constellations = known.prototype_constellations
     segments = np.flatnonzero(constellations & (constellations - 1) == 0)
     words = dictionary.clusters_ + dictionary._level_starts[:-1]

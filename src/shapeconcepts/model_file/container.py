@@ -19,7 +19,14 @@ from shapeconcepts.model_file.layout import FORMAT, Tensors, check_layout
 _KEY = "shapeconcepts"
 # What safetensors allows.
 _LARGEST_HEADER = 100_000_000
-_TYPES = {"F64": "float64", "F32": "float32", "F16": "float16", "I64": "int64", "I32": "int32"}
+_TYPES = {
+    "F64": "float64",
+    "F32": "float32",
+    "F16": "float16",
+    "I64": "int64",
+    "I32": "int32",
+    "U16": "uint16",
+}
 
 
 def write_container(path: Path, tensors: Tensors, description: dict[str, Any]) -> None:

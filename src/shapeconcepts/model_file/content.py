@@ -132,6 +132,7 @@ def _check_motifs(tensors: Tensors) -> None:
     _require_all("motifs.words", is_rising & in_range, words, "rising words of the motif's level")
     n_distinct = len(np.unique(np.column_stack([levels, words]), axis=0))
     require(n_distinct == len(words), "tensor motifs.words must hold every motif once")
+    _check_range(tensors, "motifs.support", 1, len(tensors["objects.histograms"]))
     _check_range(tensors, "motifs.edges", 0, len(levels) - 1)
     same_level = levels[edges[:, 0]] == levels[edges[:, 1]]
     _require_all(
@@ -164,10 +165,14 @@ def _check_prototypes(tensors: Tensors, n_objects: int) -> None:
         "a motif of each dictionary level",
     )
     _check_range(tensors, "prototypes.objects", 0, n_objects - 1)
-    steps = np.diff(objects, prepend=-1, append=n_objects)
+    counts, steps = tensors["prototypes.counts"], np.diff(objects, prepend=-1, append=n_objects)
+    _check_range(tensors, "prototypes.counts", 1, n_objects * 2**MAX_SEGMENTS)
+    _check_range(tensors, "prototypes.others", -1, n_objects - 1)
+    is_thinned = counts.sum() > len(counts)
     require(
-        bool(((steps == 0) | (steps == 1)).all()),
-        f"tensor prototypes.objects must rise from 0 to {n_objects - 1} without a gap",
+        bool((steps >= 0).all() and (is_thinned or (steps <= 1).all())),
+        f"tensor prototypes.objects must rise from 0 to {n_objects - 1}, without a gap where each prototype "
+        "stands for itself only",
     )
     n_whole = len(tensors["objects.histograms"])
     require(n_whole == n_objects, f"tensor objects.histograms must hold {n_objects} objects, has {n_whole}")
@@ -175,7 +180,7 @@ def _check_prototypes(tensors: Tensors, n_objects: int) -> None:
     constellations, n_segments = tensors["prototypes.constellations"], len(tensors["dictionary.clusters"])
     n_single = int((constellations & (constellations - 1) == 0).sum())
     require(
-        n_single == n_segments,
+        n_single == n_segments or (is_thinned and n_single < n_segments),
         f"tensor prototypes.constellations must hold {n_segments} segments, got {n_single}",
     )
 
@@ -185,8 +190,8 @@ def _check_stimuli(tensors: Tensors, skipped: list[int], columns_are: str) -> No
     columns, values = tensors["stimuli.columns"], tensors["stimuli.values"]
     if columns_are == "prototypes":
         _check_range(tensors, "stimuli.sources", 0, len(tensors["prototypes.objects"]) - 1)
-        is_rising = np.diff(sources, prepend=-1) > 0
-        _require_all("stimuli.sources", is_rising, sources, "rising numbers of prototypes")
+        is_own = sources == np.arange(len(sources))
+        _require_all("stimuli.sources", is_own, sources, "the prototypes in their order")
     else:
         _check_range(tensors, "stimuli.sources", 0, len(tensors["motifs.words"]) - 1)
     require(len(np.unique(sources)) == len(sources), "tensor stimuli.sources must hold every column once")

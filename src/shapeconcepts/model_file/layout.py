@@ -10,10 +10,14 @@ from numpy.typing import NDArray
 
 from shapeconcepts.model_file.error import require
 from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
+from shapeconcepts.motifs.hierarchy import N_OTHERS
 
-FORMAT = 9
+FORMAT = 10
 
 Tensors = dict[str, NDArray[Any]]
+
+# Types in which the longest tensors are written where they lose nothing by it.
+SMALLER = {"stimuli.columns": "uint16", "stimuli.values": "float16"}
 
 # Lengths are numbers or names; a name stands for the same length wherever it occurs.
 LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
@@ -25,11 +29,15 @@ LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
     "motifs.dictionary_levels": ("int32", ("motifs",)),
     "motifs.motif_levels": ("int32", ("motifs",)),
     "motifs.words": ("int32", ("motifs", MAX_SEGMENTS)),
+    "motifs.support": ("int64", ("motifs",)),
     "motifs.edges": ("int32", ("links", 2)),
     "prototypes.histograms": ("float32", ("prototypes", "bins")),
     "prototypes.motifs": ("int32", ("prototypes", "levels")),
     "prototypes.objects": ("int32", ("prototypes",)),
     "prototypes.constellations": ("int64", ("prototypes",)),
+    # What they stand for.
+    "prototypes.counts": ("int64", ("prototypes",)),
+    "prototypes.others": ("int32", ("prototypes", N_OTHERS)),
     "objects.histograms": ("float16", ("objects", "bins")),
     # What imagined occlusions leave of prototypes.
     "imagined.histograms": ("float16", ("imagined", "bins")),
@@ -105,7 +113,8 @@ def check_layout(found: Mapping[str, tuple[str, tuple[int, ...]]]) -> None:
     lengths: dict[str, int] = {}
     for name, (expected_type, dimensions) in LAYOUT.items():
         data_type, shape = found[name]
-        require(data_type == expected_type, f"tensor {name} must be {expected_type}, is {data_type}")
+        is_expected = data_type in (expected_type, SMALLER.get(name))
+        require(is_expected, f"tensor {name} must be {expected_type}, is {data_type}")
         fits = len(shape) == len(dimensions) and all(
             length == (lengths.setdefault(dimension, length) if isinstance(dimension, str) else dimension)
             for dimension, length in zip(dimensions, shape, strict=True)
@@ -115,7 +124,7 @@ def check_layout(found: Mapping[str, tuple[str, tuple[int, ...]]]) -> None:
 
 
 def checked_tensors(tensors: Mapping[str, NDArray[Any]]) -> Tensors:
-    """Contiguous arrays in the types of the layout.
+    """Contiguous arrays in the types of the layout, or smaller ones that hold the same numbers.
 
     Raises
     ------
@@ -123,5 +132,15 @@ def checked_tensors(tensors: Mapping[str, NDArray[Any]]) -> Tensors:
         As in `check_layout`.
     """
     arrays = {name: np.ascontiguousarray(tensors[name], LAYOUT[name][0]) for name in LAYOUT}
+    for name, smaller in SMALLER.items():
+        with np.errstate(over="ignore"):
+            small = arrays[name].astype(smaller)
+        if np.array_equal(small, arrays[name]):
+            arrays[name] = small
     check_layout({name: (array.dtype.name, array.shape) for name, array in arrays.items()})
     return arrays
+
+
+def widened(tensors: Tensors) -> Tensors:
+    """All tensors in the types of the layout."""
+    return {name: tensor.astype(LAYOUT[name][0], copy=False) for name, tensor in tensors.items()}

@@ -16,7 +16,7 @@ from shapeconcepts.model_file.agreement import check_ensemble, check_filtration,
 from shapeconcepts.model_file.container import read_container
 from shapeconcepts.model_file.content import check_content, check_description
 from shapeconcepts.model_file.error import ModelError, require
-from shapeconcepts.model_file.layout import Tensors
+from shapeconcepts.model_file.layout import Tensors, widened
 from shapeconcepts.model_file.parameters import decode_descriptor, decode_stage
 from shapeconcepts.model_file.state import ModelState
 from shapeconcepts.motifs import MotifHierarchies, MotifHierarchyEnsemble, SegmentDictionary
@@ -57,6 +57,7 @@ def restore_state(tensors: Tensors, description: dict[str, Any]) -> ModelState:
     ModelError
         If the content is not that of a model.
     """
+    tensors = widened(tensors)
     n_scans, n_concepts = len(tensors["concepts.labels"]), len(tensors["concepts.medoids"])
     check_description(description, n_scans, n_concepts)
     stages, skipped = description["stages"], dict(description["skipped"])
@@ -66,8 +67,8 @@ def restore_state(tensors: Tensors, description: dict[str, Any]) -> ModelState:
     descriptor = decode_descriptor(stages["descriptor"])
     check_content(tensors, list(skipped), ensemble.columns)
 
-    _fit_ensemble(ensemble, tensors, description, skipped)
     stimuli = _stimuli(tensors)
+    _fit_ensemble(ensemble, tensors, description, skipped, stimuli)
     check_ensemble(ensemble, descriptor, tensors["stimuli.sources"], stimuli, list(skipped))
     rows = normalised_rows(stimuli, "stimuli")
     _fit_filtration(filtration, tensors, description, rows)
@@ -86,7 +87,11 @@ def restore_state(tensors: Tensors, description: dict[str, Any]) -> ModelState:
 
 
 def _fit_ensemble(
-    ensemble: MotifHierarchyEnsemble, tensors: Tensors, description: dict[str, Any], skipped: dict[int, str]
+    ensemble: MotifHierarchyEnsemble,
+    tensors: Tensors,
+    description: dict[str, Any],
+    skipped: dict[int, str],
+    stimuli: csr_matrix,
 ) -> None:
     require(
         isinstance(ensemble.dictionary, SegmentDictionary), "ensemble.dictionary must be a SegmentDictionary"
@@ -103,19 +108,21 @@ def _fit_ensemble(
         dictionary_levels=tensors["motifs.dictionary_levels"],
         motif_levels=tensors["motifs.motif_levels"],
         words=tensors["motifs.words"],
+        support=tensors["motifs.support"],
         edges=tensors["motifs.edges"],
         prototypes=tensors["prototypes.histograms"],
         prototype_vertices=tensors["prototypes.motifs"],
         prototype_objects=tensors["prototypes.objects"],
         prototype_constellations=tensors["prototypes.constellations"],
+        prototype_counts=tensors["prototypes.counts"],
+        prototype_others=tensors["prototypes.others"],
         object_histograms=tensors["objects.histograms"],
         object_names=tuple(name for i, name in enumerate(description["scan_names"]) if i not in skipped),
     )
     imagined = ImaginedPrototypes(tensors["imagined.histograms"], tensors["imagined.prototypes"])
-    ensemble._remember(dictionary, hierarchies, imagined)
-    if ensemble.columns == "prototypes":
-        # On another processor the last bits, and so the sample, could be others.
-        ensemble._sampled = tensors["stimuli.sources"]
+    is_object = ~np.isin(np.arange(stimuli.shape[0]), list(skipped))
+    rows = csr_matrix(stimuli[is_object]) if hierarchies.is_thinned else None
+    ensemble._remember(dictionary, hierarchies, imagined, rows)
 
 
 def _stimuli(tensors: Tensors) -> csr_matrix:

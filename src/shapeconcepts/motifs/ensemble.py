@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, vstack
 from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.utils._param_validation import HasMethods
 from sklearn.utils._set_output import _get_output_config
@@ -21,8 +21,9 @@ from shapeconcepts.motifs.explanation import Explanation, explain
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.imagined_prototypes import ImaginedPrototypes
 from shapeconcepts.motifs.propagation import DecomposedObject, decompose_object, propagate
-from shapeconcepts.motifs.prototype_stimuli import PrototypeField, sampled_prototypes
-from shapeconcepts.motifs.stimuli import Activation, MotifField, SparseRow, sparse_rows
+from shapeconcepts.motifs.prototype_stimuli import PrototypeField
+from shapeconcepts.motifs.stimuli import Activation, MotifField, SparseRow, compact_row, sparse_rows
+from shapeconcepts.motifs.thinning import Thinning
 from shapeconcepts.parallel import map_in_order
 from shapeconcepts.parameters import (
     StagesMixin,
@@ -60,8 +61,9 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         For "prototypes": smallest divergence that the bandwidth follows, in squared Hellinger distance.
         However many scans there are, differences much smaller than this are none.
     max_columns : int
-        For "prototypes": most columns. Of more prototypes, a sample that follows how frequent they are stands
-        for all, so that rows do not become finer with ever more scans, nor longer.
+        For "prototypes": of more prototypes, a sample of so many that follows how frequent they are stands
+        for all, so that rows do not become finer with ever more scans, nor longer. What differs from all of
+        these by more than twice the `resolution` is new, and kept beside them, up to as many again.
     width : float
         For "prototypes": bandwidth in parts of that divergence.
     bandwidth : float
@@ -89,18 +91,18 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         What stimuli come from, with the parameters that it was learned with: those that are set later take
         effect when more is learned.
     columns_ : (c,) int64
-        Prototype behind each column of the stimuli, in the order in which they were seen; or vertex, ordered
-        by dictionary level, number of words, and words.
+        Prototype behind each column of the stimuli, which are all, in the order in which they were seen; or
+        vertex, ordered by dictionary level, number of words, and words.
     stimuli_ : (n_objects, c) csr_matrix of float64
         Rows of the training objects, to learn from. `transform` of the same objects gives other rows, as it
-        leaves nothing out.
+        leaves nothing out. Where prototypes stand for others, entries under 1e-4 are dropped, and the rest is
+        kept in half precision, in both.
     n_features_in_ : int
         Number of bins of the objects' histograms.
     """
 
     _field: PrototypeField | MotifField | None
     _reminder_field: PrototypeField | None
-    _sampled: NDArray[np.int64] | None
     _training_stimuli: csr_matrix | None
     _default_stages: ClassVar[dict[str, Callable[[], BaseEstimator]]] = {"dictionary": SegmentDictionary}
     _parameter_constraints: ClassVar[dict[str, list[Any]]] = {
@@ -200,9 +202,10 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         """Add objects to what was learned before; the dictionary stays as it is.
 
         The first call learns the dictionary, like `fit`. Learning in parts gives the same hierarchies as
-        learning all at once with the same dictionary. Columns of prototypes come behind those that are there;
-        columns of motifs can appear and move, and what names a motif for good is its dictionary level and its
-        words.
+        learning all at once with the same dictionary, up to `max_columns` prototypes. Beyond, those that are
+        there stay, and only what is new to them is added. Columns of prototypes come behind those that are
+        there; columns of motifs can appear and move, and what names a motif for good is its dictionary level
+        and its words.
 
         Parameters, errors and result are those of `fit`.
         """
@@ -306,7 +309,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
             joined, columns = self.imagined_.beside(self.hierarchies_, self.columns_)
             self._reminder_field = self._prototype_field(joined, columns)
         field = self._reminder_field
-        rows = self._sparse_rows(partial(field.row, by_strength=True), activations, len(field.columns))
+        rows = self._sparse_rows(partial(field.rows.row, by_strength=True), activations, len(field.columns))
         objects = field.hierarchies.prototype_objects[field.columns]
         is_of = csr_matrix(
             (np.ones(len(objects)), objects, np.arange(len(objects) + 1)),
@@ -335,11 +338,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         """Prototype or vertex behind each column."""
         check_is_fitted(self, "hierarchies_")
         if self._learned_with["columns"] == "prototypes":
-            if self._sampled is None:
-                self._sampled = sampled_prototypes(
-                    self.hierarchies_.prototypes, self._learned_with["max_columns"]
-                )
-            return self._sampled
+            return np.arange(len(self.hierarchies_.prototypes))
         assert isinstance(self.field_, MotifField)
         return self.field_.columns
 
@@ -348,38 +347,66 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         """Rows of the training objects, computed when they are first asked for."""
         check_is_fitted(self, "hierarchies_")
         if self._training_stimuli is None:
-            known = self.hierarchies_
-            starts = np.flatnonzero(np.diff(known.prototype_objects, prepend=-1))[1:]
-            histograms = np.split(known.prototypes, starts)
-            vertices = np.split(known.prototype_vertices, starts)
-            n = known.n_objects
-            left_out = range(n) if self._learned_with["leave_own_out"] else [-1] * n
-            self._training_stimuli = self._stimuli(list(zip(histograms, vertices, left_out, strict=True)))
+            self._training_stimuli = self._training_rows(self.hierarchies_, 0)
         return self._training_stimuli
+
+    def _training_rows(self, seen: MotifHierarchies, n_before: int) -> csr_matrix:
+        """Stimuli of training objects, but for the first so many, from all their constellations."""
+        own = slice(int(np.searchsorted(seen.prototype_objects, n_before)), None)
+        starts = np.flatnonzero(np.diff(seen.prototype_objects[own]) > 0) + 1
+        histograms = np.split(seen.prototypes[own], starts)
+        vertices = np.split(seen.prototype_vertices[own], starts)
+        numbers = np.arange(n_before, seen.n_objects)
+        left_out = (numbers if self._learned_with["leave_own_out"] else np.full_like(numbers, -1)).tolist()
+        return self._stimuli(list(zip(histograms, vertices, left_out, strict=True)))
 
     def _learn(
         self,
         objects: list[DescribedObject],
         decomposed: list[DecomposedObject],
         dictionary: SegmentDictionary,
-        hierarchies: MotifHierarchies,
+        before: MotifHierarchies,
         imagined: ImaginedPrototypes,
     ) -> MotifHierarchyEnsemble:
         propagations = propagate(decomposed, dictionary)
-        hierarchies = hierarchies.with_objects(propagations, [one.name for one in decomposed])
-        imagined = imagined.with_objects(objects, hierarchies, self.n_occlusions, float(self.resolution))
-        return self._remember(dictionary, hierarchies, imagined)
+        seen = before.with_objects(propagations, [one.name for one in decomposed])
+        n_all, n_occlusions, resolution = len(seen.prototypes), self.n_occlusions, float(self.resolution)
+        if self.columns == "motifs" or (n_all <= self.max_columns and not before.is_thinned):
+            imagined = imagined.with_objects(objects, seen, np.arange(n_all), n_occlusions, resolution)
+            return self._remember(dictionary, seen, imagined)
+        known_rows = self.stimuli_ if before.is_thinned else None
+        n_known = len(before.prototypes) if before.is_thinned else 0
+        thinning = Thinning.of(seen.prototypes, n_known, self.max_columns, resolution, self.n_jobs)
+        imagined = imagined.with_objects(objects, seen, thinning.kept, n_occlusions, resolution)
+        self._remember(dictionary, thinning.applied(seen), imagined)
+        rows = self._training_rows(seen, before.n_objects if before.is_thinned else 0)
+        if known_rows is not None:
+            # What they could remind of of what is new is next to nothing.
+            wider = csr_matrix(
+                (known_rows.data, known_rows.indices, known_rows.indptr), (before.n_objects, rows.shape[1])
+            )
+            rows = csr_matrix(vstack([wider, rows]))
+        self._training_stimuli = rows
+        return self
 
     def _remember(
-        self, dictionary: SegmentDictionary, hierarchies: MotifHierarchies, imagined: ImaginedPrototypes
+        self,
+        dictionary: SegmentDictionary,
+        hierarchies: MotifHierarchies,
+        imagined: ImaginedPrototypes,
+        training_stimuli: csr_matrix | None = None,
     ) -> MotifHierarchyEnsemble:
-        """Be fitted: all else follows from dictionary, hierarchies, imagined prototypes and parameters."""
+        """Be fitted: all else follows from these and the parameters.
+
+        Training stimuli do, too, as long as no prototype stands for others.
+        """
         self.dictionary_ = dictionary
         self.hierarchies_ = hierarchies
         self.imagined_ = imagined
         self.n_features_in_ = hierarchies.prototypes.shape[1]
         self._learned_with = {k: v for k, v in self.get_params(deep=False).items() if k != "dictionary"}
-        self._field = self._sampled = self._training_stimuli = self._reminder_field = None
+        self._field = self._reminder_field = None
+        self._training_stimuli = training_stimuli
         return self
 
     def _fitted_dictionary(self, objects: list[DecomposedObject]) -> SegmentDictionary:
@@ -395,7 +422,10 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         return [(p.histograms, self.hierarchies_.activated(p.words), -1) for p in propagations]
 
     def _stimuli(self, activations: list[Activation]) -> csr_matrix:
-        return self._sparse_rows(self.field_.row, activations, len(self.columns_))
+        row_of: Callable[[Activation], SparseRow] = self.field_.rows.row
+        if self.hierarchies_.is_thinned:
+            row_of = partial(compact_row, row_of)
+        return self._sparse_rows(row_of, activations, len(self.columns_))
 
     def _sparse_rows(
         self, row_of: Callable[[Activation], SparseRow], activations: list[Activation], n_columns: int

@@ -30,12 +30,18 @@ class SimilarPrototype:
         The training object's segments behind the prototype.
     divergence : float
         Jensen-Shannon divergence in bits, 0 (same) to 1 (nothing in common).
+    count : int
+        Number of training constellations that the prototype stands for, itself included.
+    others : tuple of str
+        Names of some of the other training objects that these are of.
     """
 
     object_index: int
     object_name: str
     segments: tuple[int, ...]
     divergence: float
+    count: int = 1
+    others: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -214,6 +220,8 @@ def _similar_prototypes(
             hierarchies.object_names[index],
             segments_in(int(hierarchies.prototype_constellations[prototype])),
             divergence,
+            int(hierarchies.prototype_counts[prototype]),
+            tuple(hierarchies.object_names[i] for i in hierarchies.prototype_others[prototype] if i >= 0),
         )
         for index, prototype, divergence in zip(
             objects[best].tolist(), chosen.tolist(), divergences.tolist(), strict=True

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     import networkx
 
 
+# Other objects behind a prototype that are remembered.
+N_OTHERS = 3
+
+
 class PrototypeLists(NamedTuple):
     """Prototypes of each vertex: those of vertex v are ``prototypes[starts[v]:starts[v + 1]]``, rising."""
 
@@ -31,7 +35,8 @@ class MotifHierarchies:
     """One motif hierarchy for each dictionary level (paper: Shape Motif Hierarchy Ensemble).
 
     A motif vertex is a multiset of words of one dictionary level. A prototype is the description of a
-    constellation of a training object; it is stored once, and belongs to one vertex of each hierarchy.
+    constellation of a training object; it is stored once, and belongs to one vertex of each hierarchy. It may
+    stand for those of other objects, too, that are not stored; see `thinning`.
 
     Attributes
     ----------
@@ -41,6 +46,8 @@ class MotifHierarchies:
         The smallest motif level at which the motif was seen, from 1.
     words : (v, 16) int32
         The motif: words in rising order, with -1 before the first.
+    support : (v,) int64
+        Number of training objects that each vertex was seen in.
     edges : (e, 2) int32
         Linked vertices, the smaller number first, sorted. A vertex may be linked to itself: two neighbouring
         segments can have the same word.
@@ -52,6 +59,10 @@ class MotifHierarchies:
         Training object, counted in the order in which they were seen.
     prototype_constellations : (p,) int64
         The object's segments behind the prototype, as a bitmask.
+    prototype_counts : (p,) int64
+        Number of constellations that each prototype stands for, itself included.
+    prototype_others : (p, 3) int32
+        Some of the other training objects that these are of, -1 where there are no more.
     object_histograms : (o, b) float16
         Description of each training object as a whole; a row sums to 1, or to 0 where there is nothing.
     object_names : tuple of str
@@ -60,11 +71,14 @@ class MotifHierarchies:
     dictionary_levels: NDArray[np.int32]
     motif_levels: NDArray[np.int32]
     words: NDArray[np.int32]
+    support: NDArray[np.int64]
     edges: NDArray[np.int32]
     prototypes: NDArray[np.float32]
     prototype_vertices: NDArray[np.int32]
     prototype_objects: NDArray[np.int32]
     prototype_constellations: NDArray[np.int64]
+    prototype_counts: NDArray[np.int64]
+    prototype_others: NDArray[np.int32]
     object_histograms: NDArray[np.float16]
     object_names: tuple[str, ...]
 
@@ -75,11 +89,14 @@ class MotifHierarchies:
             dictionary_levels=np.empty(0, np.int32),
             motif_levels=np.empty(0, np.int32),
             words=np.empty((0, MAX_SEGMENTS), np.int32),
+            support=np.empty(0, np.int64),
             edges=np.empty((0, 2), np.int32),
             prototypes=np.empty((0, n_bins), np.float32),
             prototype_vertices=np.empty((0, n_levels), np.int32),
             prototype_objects=np.empty(0, np.int32),
             prototype_constellations=np.empty(0, np.int64),
+            prototype_counts=np.empty(0, np.int64),
+            prototype_others=np.empty((0, N_OTHERS), np.int32),
             object_histograms=np.empty((0, n_bins), np.float16),
             object_names=(),
         )
@@ -99,6 +116,11 @@ class MotifHierarchies:
         """Number of training objects."""
         return len(self.object_names)
 
+    @property
+    def is_thinned(self) -> bool:
+        """Whether prototypes stand for constellations that are not stored."""
+        return int(self.prototype_counts.sum()) > len(self.prototypes)
+
     @cached_property
     def prototypes_of(self) -> PrototypeLists:
         """Prototypes of each vertex."""
@@ -109,14 +131,6 @@ class MotifHierarchies:
             np.concatenate([[0], np.cumsum(counts)]),
             (order // max(self.n_levels, 1)).astype(np.int32),
         )
-
-    @cached_property
-    def support(self) -> NDArray[np.int64]:
-        """Number of training objects that each vertex was seen in, (v,) int64."""
-        objects = np.repeat(self.prototype_objects, self.n_levels)
-        # One number for each pair: pairs take longer to sort.
-        seen = np.unique(self.prototype_vertices.ravel() * np.int64(self.n_objects) + objects)
-        return np.bincount(seen // max(self.n_objects, 1), minlength=self.n_vertices)
 
     @cached_property
     def prototype_entropies(self) -> NDArray[np.float64]:
@@ -154,7 +168,7 @@ class MotifHierarchies:
         vertex_of = [dict(known) for known in self._vertex_of]
         dictionary_levels, motif_levels = self.dictionary_levels.tolist(), self.motif_levels.tolist()
         words, prototype_vertices = [self.words], [self.prototype_vertices]
-        edges = [self.edges]
+        edges, seen = [self.edges], []
         for propagation in propagations:
             vertices = np.empty(propagation.words.shape[:2], np.int32)
             for c, motifs in enumerate(_motif_keys(propagation.words)):
@@ -167,19 +181,27 @@ class MotifHierarchies:
                     motif_levels[vertex] = min(motif_levels[vertex], int(propagation.motif_levels[c]))
                     vertices[c, level] = vertex
             prototype_vertices.append(vertices)
+            seen.append(np.unique(vertices))
             edges += [_edges(propagation, column) for column in vertices.T]
         counts = [len(propagation.constellations) for propagation in propagations]
         new_objects = np.repeat(np.arange(self.n_objects, self.n_objects + len(counts)), counts)
+        support = np.bincount(np.concatenate([np.empty(0, np.int32), *seen]), minlength=len(motif_levels))
+        support[: self.n_vertices] += self.support
         return MotifHierarchies(
             dictionary_levels=np.array(dictionary_levels, np.int32),
             motif_levels=np.array(motif_levels, np.int32),
             words=np.concatenate(words),
+            support=support.astype(np.int64),
             edges=np.unique(np.concatenate(edges), axis=0),
             prototypes=np.concatenate([self.prototypes, *(p.histograms for p in propagations)]),
             prototype_vertices=np.concatenate(prototype_vertices),
             prototype_objects=np.concatenate([self.prototype_objects, new_objects]).astype(np.int32),
             prototype_constellations=np.concatenate(
                 [self.prototype_constellations, *(p.constellations for p in propagations)]
+            ),
+            prototype_counts=np.concatenate([self.prototype_counts, np.ones(len(new_objects), np.int64)]),
+            prototype_others=np.concatenate(
+                [self.prototype_others, np.full((len(new_objects), N_OTHERS), -1, np.int32)]
             ),
             object_histograms=np.concatenate(
                 [self.object_histograms, *(p.whole[None].astype(np.float16) for p in propagations)]

@@ -40,6 +40,7 @@ class ImaginedPrototypes(NamedTuple):
         self,
         objects: Sequence[DescribedObject],
         hierarchies: MotifHierarchies,
+        kept: NDArray[np.int64],
         n_occlusions: int,
         resolution: float,
     ) -> ImaginedPrototypes:
@@ -50,17 +51,24 @@ class ImaginedPrototypes(NamedTuple):
         objects : sequence of DescribedObject
         hierarchies : MotifHierarchies
             After they saw the objects.
+        kept : (k,) int64
+            Which of their prototypes are kept, rising; what is left of others is not, either.
         n_occlusions : int
             How many occlusions of each object count at most.
         resolution : float
             What differs less from every prototype of its own object tells nothing new, in squared Hellinger
             distance.
         """
-        histograms, prototypes = [self.histograms], [self.prototypes]
+        is_kept = np.zeros(len(hierarchies.prototypes), bool)
+        is_kept[kept] = True
+        before = is_kept[self.prototypes]
+        histograms, prototypes = [self.histograms[before]], [self.prototypes[before]]
         numbers = range(hierarchies.n_objects - len(objects), hierarchies.n_objects)
         starts = np.searchsorted(hierarchies.prototype_objects, [*numbers, hierarchies.n_objects])
         for described, start, end in zip(objects, starts[:-1], starts[1:], strict=True):
             own = slice(start, end)
+            if not is_kept[own].any():
+                continue
             position_of = {
                 constellation: start + position
                 for position, constellation in enumerate(hierarchies.prototype_constellations[own].tolist())
@@ -74,10 +82,11 @@ class ImaginedPrototypes(NamedTuple):
                     [(1.0 - (roots * np.sqrt(row, dtype=np.float64)).sum(axis=1)).min() for row in found]
                 )
                 of = np.array([position_of.get(one, -1) for one in _in_whole(constellations, segments)])
-                kept = (nearest >= resolution) & (of >= 0) & (found.any(axis=1))
-                histograms.append(found[kept])
-                prototypes.append(of[kept].astype(np.int32))
-        return ImaginedPrototypes(np.concatenate(histograms), np.concatenate(prototypes))
+                is_new = (nearest >= resolution) & (of >= 0) & is_kept[of] & (found.any(axis=1))
+                histograms.append(found[is_new])
+                prototypes.append(of[is_new].astype(np.int32))
+        positions = np.searchsorted(kept, np.concatenate(prototypes)).astype(np.int32)
+        return ImaginedPrototypes(np.concatenate(histograms), positions)
 
     def beside(
         self, hierarchies: MotifHierarchies, columns: NDArray[np.int64]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from zlib import crc32
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,53 @@ from shapeconcepts.motifs.stimuli import Activation, SparseRow
 SMALLEST_KERNEL = 1e-3
 # With fewer, a bandwidth says more about which scans there happen to be than about their shapes.
 LEAST_NEIGHBOURS = 25
+
+
+class PrototypeRows(NamedTuple):
+    """All that a row of stimuli is computed from; little enough to be sent to other machines.
+
+    Attributes
+    ----------
+    roots, scales, n_neighbours, resolution, width
+        As in `PrototypeField`.
+    vertices : (c, n) int32
+        Vertex of each column's prototype in each hierarchy.
+    objects : (c,) int32
+        Training object of each.
+    """
+
+    roots: NDArray[np.float32]
+    vertices: NDArray[np.int32]
+    objects: NDArray[np.int32]
+    scales: NDArray[np.float64]
+    n_neighbours: int
+    resolution: float
+    width: float
+
+    def row(self, activation: Activation, by_strength: bool = False) -> SparseRow:
+        """Row of an object: the mean of its constellations' stimuli, each scaled to sum 1.
+
+        A constellation that stimulates nothing counts as zeros, so a row sums to the share of an object's
+        constellations that remind of anything. With `by_strength`, each sums to its strongest stimulus: what
+        is like nothing known says little.
+        """
+        histograms, activated, left_out = activation
+        row = prototype_row(
+            np.sqrt(histograms),
+            self.roots,
+            activated,
+            self.vertices,
+            self.objects,
+            self.scales,
+            left_out,
+            self.n_neighbours,
+            self.resolution,
+            self.width,
+            SMALLEST_KERNEL,
+            by_strength,
+        )
+        columns = np.flatnonzero(row)
+        return columns.astype(np.int32), row[columns]
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,56 +135,32 @@ class PrototypeField:
         """
         stimuli, buffer = np.empty((1, len(self.scales))), np.empty(len(self.scales))
         hellinger_divergences(np.sqrt(histogram)[None], self.roots, stimuli)
-        prototype_stimuli(activated, *self._known, -1, *self._constants, stimuli[0], buffer)
+        rows = self.rows
+        prototype_stimuli(
+            activated,
+            rows.vertices,
+            rows.objects,
+            self.scales,
+            -1,
+            self.n_neighbours,
+            self.resolution,
+            self.width,
+            SMALLEST_KERNEL,
+            stimuli[0],
+            buffer,
+        )
         return stimuli[0]
 
-    def row(self, activation: Activation, by_strength: bool = False) -> SparseRow:
-        """Row of an object: the mean of its constellations' stimuli, each scaled to sum 1.
-
-        A constellation that stimulates nothing counts as zeros, so a row sums to the share of an object's
-        constellations that remind of anything. With `by_strength`, each sums to its strongest stimulus: what
-        is like nothing known says little.
-        """
-        histograms, activated, left_out = activation
-        row = prototype_row(
-            np.sqrt(histograms),
-            self.roots,
-            activated,
-            *self._known,
-            left_out,
-            *self._constants,
-            by_strength,
-        )
-        columns = np.flatnonzero(row)
-        return columns.astype(np.int32), row[columns]
-
     @cached_property
-    def _known(self) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64]]:
+    def rows(self) -> PrototypeRows:
+        """What gives an object's row."""
         known = self.hierarchies
-        return known.prototype_vertices[self.columns], known.prototype_objects[self.columns], self.scales
-
-    @property
-    def _constants(self) -> tuple[int, float, float, float]:
-        return self.n_neighbours, self.resolution, self.width, SMALLEST_KERNEL
-
-
-def sampled_prototypes(histograms: NDArray[np.float32], n_most: int) -> NDArray[np.int64]:
-    """A sample of prototypes that follows how frequent they are, the same for any order of them.
-
-    Parameters
-    ----------
-    histograms : (p, b) float32
-    n_most : int
-        Size of the sample; all of them where there are not more.
-
-    Returns
-    -------
-    (c,) int64
-        Rising.
-    """
-    if len(histograms) <= n_most:
-        return np.arange(len(histograms))
-    # A hash draws at random and knows no order. Of thousandths, as last bits differ between processors.
-    thousandths = np.round(1000 * histograms).astype("<i2")
-    drawn = np.array([crc32(row.tobytes()) for row in thousandths])
-    return np.sort(np.argsort(drawn, kind="stable")[:n_most])
+        return PrototypeRows(
+            self.roots,
+            known.prototype_vertices[self.columns],
+            known.prototype_objects[self.columns],
+            self.scales,
+            self.n_neighbours,
+            self.resolution,
+            self.width,
+        )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,6 +14,8 @@ from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.stimulus_kernels import mean_activations
 
 SMALLEST_STIMULUS = 1e-6
+# Of a row that sums to 1. Of hundreds of entries, a quarter are smaller, and together half a percent of it.
+SMALLEST_SHARE = 1e-4
 
 # Histograms (k, b) of an object's constellations, the vertices (k, n) that they activate, and the training
 # object whose prototypes do not count, -1 for none.
@@ -77,6 +79,11 @@ class MotifField:
         )
         return columns, stimuli
 
+    @property
+    def rows(self) -> MotifField:
+        """What gives an object's row: itself."""
+        return self
+
     def row(self, activation: Activation) -> SparseRow:
         """Row of an object: rising columns, and the largest stimulus of the constellations at each.
 
@@ -88,6 +95,13 @@ class MotifField:
         largest = np.zeros(len(distinct))
         np.maximum.at(largest, position, stimuli[fired])
         return distinct.astype(np.int32), largest
+
+
+def compact_row(row_of: Callable[[Activation], SparseRow], activation: Activation) -> SparseRow:
+    """Row without entries under 1e-4, and what is left in half precision: of a hundred thousand, they fit."""
+    columns, stimuli = row_of(activation)
+    kept = stimuli >= SMALLEST_SHARE
+    return columns[kept], stimuli[kept].astype(np.float16).astype(np.float64)
 
 
 def sparse_rows(rows: Sequence[SparseRow], n_columns: int) -> csr_matrix:

@@ -196,6 +196,6 @@ def _draw_prototype(
         canvas.text((x + _THUMB / 2, y + 57), "no scan", 12, NOTE_COLOUR, anchor="mm")
     name = prototype.object_name or f"object {prototype.object_index}"
     canvas.text((x + _THUMB / 2, y + _THUMB - 4), name, 13, anchor="mm", width=_THUMB)
-    canvas.text(
-        (x + _THUMB / 2, y + _THUMB + 14), f"{prototype.divergence:.3f}", 12, NOTE_COLOUR, anchor="mm"
-    )
+    like_it = f", {prototype.count - 1:,} like it" if prototype.count > 1 else ""
+    note = f"{prototype.divergence:.3f}{like_it}"
+    canvas.text((x + _THUMB / 2, y + _THUMB + 14), note, 12, NOTE_COLOUR, anchor="mm", width=_THUMB)

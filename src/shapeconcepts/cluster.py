@@ -1,0 +1,58 @@
+"""Work on the machines of a Dask cluster."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, TypeVar
+
+from joblib.parallel import get_active_backend
+
+Chunk = TypeVar("Chunk")
+Result = TypeVar("Result")
+
+# Enough that no worker waits for the next, few enough that a stream stays a stream.
+_WAITING_PER_THREAD = 4
+
+
+def active_cluster() -> Any:
+    """Client of the Dask cluster that ``joblib.parallel_config(backend="dask")`` chose, None without one."""
+    backend, _ = get_active_backend()
+    return backend.client if type(backend).__name__ == "DaskDistributedBackend" else None
+
+
+def map_on_cluster(client: Any, work: Callable[[Chunk], Result], chunks: Iterable[Chunk]) -> Iterator[Result]:
+    """Results of work on chunks, in their order.
+
+    Work goes once to each worker that needs it, a chunk to one. What a worker that dies had not finished is
+    done by others; what it held is sent again.
+
+    Parameters
+    ----------
+    client : distributed.Client
+    work : callable
+        Of one chunk. What it returns must not depend on which worker does it.
+    chunks : iterable
+        Taken a few ahead of the results.
+    """
+    # A task of its own: data that are only handed out are lost with the last worker that has them.
+    carried = client.submit(_same, work, pure=False)
+    waiting: deque[Any] = deque()
+    most = _WAITING_PER_THREAD * max(sum(client.nthreads().values()), 1)
+    try:
+        for chunk in chunks:
+            waiting.append(client.submit(_done, carried, chunk, pure=False))
+            if len(waiting) == most:
+                yield waiting.popleft().result()
+        while waiting:
+            yield waiting.popleft().result()
+    finally:
+        client.cancel([carried, *waiting])
+
+
+def _same(work: Any) -> Any:
+    return work
+
+
+def _done(work: Callable[[Any], Any], chunk: Any) -> Any:
+    return work(chunk)
