@@ -2,11 +2,15 @@
 
     python benchmarks/scale.py make [--scans N] [--seed SEED] [--folder FOLDER] [--jobs N]
     python benchmarks/scale.py fit [--scans N ...] [--seed SEED] [--folder FOLDER] [--jobs N]
+    python benchmarks/scale.py cluster [--scans N] [--seed SEED] [--folder FOLDER]
 
 `make` describes simulated scans of the seven categories in turn, with imagined occlusions, and keeps them in
 files of 500; what is there already is not made again. `fit` learns from the first so many, each number in a
 process of its own: seconds, peak memory, prototypes, size of the model file, concepts with their scores by
 labels, and the time of a response to a new scan, from points, reading included, in one thread.
+`cluster` learns from the first so many with two joblib jobs, with two Dask workers on this machine, and with
+two of which one is killed: seconds, what was sent, and whether the models are the same. It needs the extra
+`cluster`.
 """
 
 import os
@@ -16,6 +20,7 @@ os.environ["OMP_NUM_THREADS"] = "1"
 import json
 import pickle
 import resource
+import signal
 import subprocess
 import sys
 import time
@@ -25,8 +30,11 @@ from functools import partial
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
+from threading import Timer
 
+import joblib
 import numpy as np
+import psutil
 
 from common import command, print_table
 from shapeconcepts import (
@@ -129,6 +137,50 @@ def fit(folder: Path, seed: int, n_scans: int, jobs: int) -> dict[str, float]:
     }
 
 
+def on_cluster(folder: Path, seed: int, n_scans: int) -> list[list[str]]:
+    """Two Dask workers beside two joblib jobs, and one of them killed on the way."""
+    from distributed import Client, LocalCluster
+
+    warnings.simplefilter("ignore")
+    objects = list(stored(folder, seed, n_scans))
+    ShapeConceptModel(n_jobs=2).fit(objects[:60])
+    expected, seconds = _timed_fit(objects)
+    rows = [["two jobs", f"{seconds:.1f}", "1", "", ""]]
+    for is_killed in (False, True):
+        with (
+            LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+            Client(cluster, set_as_default=False) as client,
+            joblib.parallel_config(backend="dask", client=client),
+        ):
+            # As for the jobs, what is compiled is read before.
+            ShapeConceptModel().fit(objects[:60])
+            before = psutil.net_io_counters(pernic=True)["lo"].bytes_sent
+            timer = Timer(0.4 * seconds, _kill_one, [client])
+            if is_killed:
+                timer.start()
+            model, on_workers = _timed_fit(objects)
+            timer.cancel()
+            sent = psutil.net_io_counters(pernic=True)["lo"].bytes_sent - before
+        apart = abs(model.stimuli_ - expected.stimuli_)
+        is_same = np.array_equal(model.labels_, expected.labels_) and apart.nnz == 0
+        title = "two workers, one killed" if is_killed else "two workers"
+        rows.append(
+            [title, f"{on_workers:.1f}", f"{on_workers / seconds:.2f}", f"{sent / 2**20:.0f}", str(is_same)]
+        )
+    return rows
+
+
+def _timed_fit(objects: list[DescribedObject]) -> tuple[ShapeConceptModel, float]:
+    model = ShapeConceptModel(n_jobs=2)
+    start = time.perf_counter()
+    model.fit(objects)
+    return model, time.perf_counter() - start
+
+
+def _kill_one(client: object) -> None:
+    os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL)
+
+
 def _response_seconds(model: ShapeConceptModel, place: Path) -> float:
     paths = []
     for number in range(N_NEW):
@@ -150,7 +202,7 @@ def _peak() -> int:
 
 def main() -> None:
     parser = command(__doc__)
-    parser.add_argument("action", choices=("make", "fit", "one"), metavar="make | fit")
+    parser.add_argument("action", choices=("make", "fit", "cluster", "one"), metavar="make | fit | cluster")
     parser.add_argument("--scans", nargs="+", type=int, default=SIZES, metavar="N")
     parser.add_argument("--seed", type=int, default=100)
     parser.add_argument("--folder", type=Path, default=Path(gettempdir()) / "shapeconcepts_scale")
@@ -161,6 +213,11 @@ def main() -> None:
         return
     if options.action == "one":
         print(json.dumps(fit(options.folder, options.seed, options.scans[0], options.jobs)))
+        return
+    if options.action == "cluster":
+        n_scans = options.scans[-1]
+        rows = on_cluster(options.folder, options.seed, n_scans)
+        print_table((f"{n_scans:,} scans", "fit, s", "of two jobs", "sent, MB", "same model"), rows)
         return
     rows = []
     for n_scans in options.scans:

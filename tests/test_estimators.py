@@ -54,10 +54,10 @@ def test_clusters_of_any_matrix(parameters):
 
 
 def test_parameters():
-    filtration = Filtration(5, 50, "geodesic", "annexations", 0.2, 0.3, 80)
+    filtration = Filtration(5, 50, "geodesic", "annexations", 0.2, 0.3, 80, 2)
     assert clone(filtration).get_params() == {
         "min_concept_size": 5, "max_steps": 50, "heat": "geodesic", "stop": "annexations",
-        "error_rate": 0.2, "granularity": 0.3, "max_vertices": 80,
+        "error_rate": 0.2, "granularity": 0.3, "max_vertices": 80, "n_jobs": 2,
     }  # fmt: skip
     assert ConceptResponse("mahalanobis", 5, 7, 0.5, 400).get_params() == {
         "distance": "mahalanobis", "n_nearest": 5, "max_components": 7, "variance_kept": 0.5,

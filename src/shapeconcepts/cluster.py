@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from functools import cache
 from typing import Any, TypeVar
 
 from joblib.parallel import get_active_backend
+from threadpoolctl import threadpool_limits  # type: ignore[import-untyped]
 
 Chunk = TypeVar("Chunk")
 Result = TypeVar("Result")
@@ -55,4 +57,11 @@ def _same(work: Any) -> Any:
 
 
 def _done(work: Callable[[Any], Any], chunk: Any) -> Any:
+    _keep_libraries_in_one_thread()
     return work(chunk)
+
+
+@cache
+def _keep_libraries_in_one_thread() -> None:
+    # As on one machine: over several threads, sums round differently. For good, as a worker may have several.
+    threadpool_limits(1)

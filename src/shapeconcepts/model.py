@@ -188,6 +188,8 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         described = [one.described for one in results]
         ensemble.set_params(n_jobs=self.n_jobs).fit([one for one in described if one])
         stimuli = with_empty_rows(ensemble.stimuli_, described)
+        if hasattr(filtration, "n_jobs"):
+            filtration.n_jobs = self.n_jobs
         filtration.fit(stimuli)
         response.fit(stimuli, filtration.labels_)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import warnings
+from numbers import Integral
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -69,6 +70,8 @@ class Filtration(ClusterMixin, BaseEstimator):
         With heat "divergence": of more different objects, the nearest are gathered in small classes before
         mean divergences are taken; and of four times as many, the tree is that of a sample, on which all
         others hang, see `TopologicalSpace`.
+    n_jobs : int or None
+        As in joblib. The result does not depend on it.
 
     Attributes
     ----------
@@ -105,6 +108,7 @@ class Filtration(ClusterMixin, BaseEstimator):
         "error_rate": [share()],
         "granularity": [share(), None],
         "max_vertices": [whole_number(2)],
+        "n_jobs": [Integral, None],
     }
 
     def __init__(
@@ -116,6 +120,7 @@ class Filtration(ClusterMixin, BaseEstimator):
         error_rate: float = 0.05,
         granularity: float | None = None,
         max_vertices: int = 4096,
+        n_jobs: int | None = None,
     ) -> None:
         self.min_concept_size = min_concept_size
         self.max_steps = max_steps
@@ -124,6 +129,7 @@ class Filtration(ClusterMixin, BaseEstimator):
         self.error_rate = error_rate
         self.granularity = granularity
         self.max_vertices = max_vertices
+        self.n_jobs = n_jobs
 
     def fit(self, X: ArrayLike | spmatrix | sparray, y: object = None) -> Filtration:
         """Filter the space of the rows of a matrix.
@@ -154,7 +160,7 @@ class Filtration(ClusterMixin, BaseEstimator):
                 f"heat must be 'divergence' where stop is 'persistence', got {self.heat!r}: "
                 "persistent concepts are cut at a divergence"
             )
-        self._filter(TopologicalSpace(self._max_exact).fit(X))
+        self._filter(TopologicalSpace(self._max_exact, self.n_jobs).fit(X))
         return self
 
     @property

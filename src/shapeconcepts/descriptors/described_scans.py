@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import NamedTuple
 
@@ -63,7 +64,7 @@ def describe_scans(
         If a scan cannot be described, or what should be looked at in scans, see `Scan.notices`.
     """
     describe_one = partial(_described_scan, segmenter, descriptor, n_occlusions=n_occlusions)
-    results = list(map_in_order(describe_one, scans, n_jobs))
+    results = list(_in_order(scans, partial(map_in_order, describe_one, n_jobs=n_jobs)))
     skipped = {i: result.reason for i, result in enumerate(results) if result.described is None}
     if results and len(skipped) == len(results):
         raise ScanError(skipped[0])
@@ -81,6 +82,28 @@ def describe_scans(
     for sentence in in_few_words(notices, len(results)):
         warnings.warn(sentence, ScanWarning, stacklevel=3)
     return results
+
+
+def _in_order(
+    scans: Iterable[object], work: Callable[[Iterable[object]], Iterator[DescribedScan]]
+) -> Iterator[DescribedScan]:
+    """Results of work on scans; what is described already goes nowhere."""
+    # What is taken ahead of the results: those of described scans, None for each that is worked on.
+    ahead: deque[DescribedScan | None] = deque()
+
+    def not_described() -> Iterator[object]:
+        for scan in scans:
+            if isinstance(scan, DescribedObject):
+                ahead.append(DescribedScan(scan.name, scan.label, scan))
+            else:
+                ahead.append(None)
+                yield scan
+
+    for result in work(not_described()):
+        while (ready := ahead.popleft()) is not None:
+            yield ready
+        yield result
+    yield from (one for one in ahead if one is not None)
 
 
 def describe_scan(

@@ -140,17 +140,17 @@ def _nearest(
     n_jobs: int | None,
 ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
     """The nearest of some prototypes for each histogram, and the squared Hellinger distance to it."""
-    nearest_in = partial(_nearest_in_block, histograms, _roots(prototypes[among]).T)
-    starts = range(0, len(histograms), _AT_ONCE)
-    found = list(map_in_order(nearest_in, starts, n_jobs, share_memory=True))
+    nearest_in = partial(_nearest_in_block, _roots(prototypes[among]).T)
+    blocks = [histograms[start : start + _AT_ONCE] for start in range(0, len(histograms), _AT_ONCE)]
+    found = list(map_in_order(nearest_in, blocks, n_jobs, share_memory=True))
     positions, divergences = (np.concatenate(parts) for parts in zip(*found, strict=True))
     return among[positions], divergences
 
 
 def _nearest_in_block(
-    histograms: NDArray[np.float32], among: NDArray[np.float32], start: int
+    among: NDArray[np.float32], histograms: NDArray[np.float32]
 ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    affinities = _roots(histograms[start : start + _AT_ONCE]) @ among
+    affinities = _roots(histograms) @ among
     nearest = affinities.argmax(axis=1)
     return nearest, np.float32(1) - affinities[np.arange(len(nearest)), nearest]
 

@@ -8,7 +8,7 @@ from scipy.sparse import csr_matrix, sparray, spmatrix
 
 from shapeconcepts.topology.divergence_kernels import divergences_between
 from shapeconcepts.topology.inverted_index_kernels import inverted_index
-from shapeconcepts.topology.nearest_kernels import indexed_divergences
+from shapeconcepts.topology.nearest_kernels import indexed_divergences, nearest_rows
 
 
 def jensen_shannon_divergences(
@@ -63,6 +63,13 @@ class DivergenceIndex:
         The same as `jensen_shannon_divergences` but for rounding.
         """
         return indexed_divergences(*_arrays(rows), _terms(rows), self._n_rows, *self._lists)
+
+    def nearest(self, rows: csr_matrix) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Nearest indexed row to each of rows (n, c), the first of equally near ones, and the divergence.
+
+        There must be one at least.
+        """
+        return nearest_rows(*_arrays(rows), _terms(rows), self._n_rows, *self._lists)
 
 
 def normalised_rows(rows: ArrayLike | spmatrix | sparray, name: str) -> csr_matrix:

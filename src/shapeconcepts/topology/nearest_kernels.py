@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.kernels import kernel
-from shapeconcepts.topology.inverted_index_kernels import add_similarities, inverted_index
+from shapeconcepts.topology.inverted_index_kernels import add_similarities
 
 
 @kernel
@@ -56,47 +56,36 @@ def nearest_rows(
     columns: NDArray[np.int32],
     values: NDArray[np.float64],
     value_terms: NDArray[np.float64],
-    n_columns: int,
-    sample_starts: NDArray[np.int64],
-    sample_columns: NDArray[np.int32],
-    sample_values: NDArray[np.float64],
-    sample_terms: NDArray[np.float64],
-    others: NDArray[np.int64],
+    n_indexed: int,
+    list_starts: NDArray[np.int64],
+    listed_rows: NDArray[np.uint32],
+    listed_values: NDArray[np.float64],
+    listed_terms: NDArray[np.float64],
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Nearest row of a sample to each of other rows, exactly; of equally near ones the first.
+    """Nearest indexed row to each row of a CSR matrix, exactly; of equally near ones the first.
 
-    Parameters
-    ----------
-    row_starts, columns, values, value_terms, n_columns
-        Rows of a CSR matrix, as in `inverted_index`.
-    sample_starts, sample_columns, sample_values, sample_terms
-        Rows of the sample, likewise.
-    others : (m,) int64
-        Which rows to find the nearest of.
+    Parameters are those of `indexed_divergences`, and a row does not depend on the others, either.
 
     Returns
     -------
-    nearest : (m,) int64
-        Position in the sample.
-    divergences : (m,) float64
+    nearest : (n,) int64
+    divergences : (n,) float64
         Bits, 0 to 1.
     """
-    list_starts, listed_rows, listed_values, listed_terms = inverted_index(
-        sample_starts, sample_columns, sample_values, sample_terms, n_columns
-    )
+    n = len(row_starts) - 1
     list_ends = list_starts[1:].copy()
-    nearest, divergences = np.zeros(len(others), np.int64), np.empty(len(others))
-    similarity = np.empty(len(sample_starts) - 1)
-    for place in range(len(others)):
+    nearest, divergences = np.zeros(n, np.int64), np.empty(n)
+    similarity = np.empty(n_indexed)
+    for row in range(n):
         similarity[:] = 0.0
         add_similarities(
-            others[place], row_starts, columns, values, value_terms,
+            row, row_starts, columns, values, value_terms,
             list_starts, list_ends, listed_rows, listed_values, listed_terms, similarity,
         )  # fmt: skip
         best = 0
-        for k in range(len(similarity)):
+        for k in range(n_indexed):
             if similarity[k] > similarity[best]:
                 best = k
-        nearest[place] = best
-        divergences[place] = min(max(1.0 - 0.5 * similarity[best], 0.0), 1.0)
+        nearest[row] = best
+        divergences[row] = min(max(1.0 - 0.5 * similarity[best], 0.0), 1.0)
     return nearest, divergences

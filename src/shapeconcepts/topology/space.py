@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from numbers import Integral
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,12 +12,14 @@ from scipy.sparse import csr_matrix, sparray, spmatrix
 from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_non_negative, validate_data
 
+from shapeconcepts.parallel import map_in_order
 from shapeconcepts.parameters import check_parameters, whole_number
-from shapeconcepts.topology.divergence import normalised_rows
+from shapeconcepts.topology.divergence import DivergenceIndex, normalised_rows
 from shapeconcepts.topology.heat_kernels import distance_sums
-from shapeconcepts.topology.nearest_kernels import nearest_rows
 from shapeconcepts.topology.sample import draws, sampled
 from shapeconcepts.topology.spanning_tree_kernels import grow_spanning_tree
+
+_BLOCK = 512
 
 
 class TopologicalSpace(BaseEstimator):
@@ -33,6 +36,8 @@ class TopologicalSpace(BaseEstimator):
         Of more vertices, the tree is that of a sample which follows how frequent rows are, and every other
         vertex hangs on its nearest of the sample: the work then grows with the number of rows, and not with
         its square. None: the tree is exact, however many there are.
+    n_jobs : int or None
+        As in joblib, for what hangs on a sample. The result does not depend on it.
 
     Attributes
     ----------
@@ -56,10 +61,14 @@ class TopologicalSpace(BaseEstimator):
     n_features_in_ : int
     """
 
-    _parameter_constraints: ClassVar[dict[str, list[Any]]] = {"max_vertices": [whole_number(2), None]}
+    _parameter_constraints: ClassVar[dict[str, list[Any]]] = {
+        "max_vertices": [whole_number(2), None],
+        "n_jobs": [Integral, None],
+    }
 
-    def __init__(self, max_vertices: int | None = None) -> None:
+    def __init__(self, max_vertices: int | None = None, n_jobs: int | None = None) -> None:
         self.max_vertices = max_vertices
+        self.n_jobs = n_jobs
 
     def fit(self, X: ArrayLike | spmatrix | sparray, y: object = None) -> TopologicalSpace:
         """Build the tree.
@@ -97,15 +106,17 @@ class TopologicalSpace(BaseEstimator):
 
     def _tree(self) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
         """Edges and their divergences."""
-        rows, n_columns = _arrays(self.rows_), self.rows_.shape[1]
-        n = self.rows_.shape[0]
+        n, n_columns = self.rows_.shape
         if self.max_vertices is None or n <= self.max_vertices:
-            return grow_spanning_tree(*rows, n_columns)
+            return grow_spanning_tree(*_arrays(self.rows_), n_columns)
         sample = sampled(draws(self.rows_), self.max_vertices)
-        rows_of_sample = _arrays(csr_matrix(self.rows_[sample]))
-        edges, divergences = grow_spanning_tree(*rows_of_sample, n_columns)
+        rows_of_sample = csr_matrix(self.rows_[sample])
+        edges, divergences = grow_spanning_tree(*_arrays(rows_of_sample), n_columns)
         others = np.setdiff1d(np.arange(n), sample)
-        nearest, to_nearest = nearest_rows(*rows, n_columns, *rows_of_sample, others)
+        blocks = [csr_matrix(self.rows_[others[at : at + _BLOCK]]) for at in range(0, len(others), _BLOCK)]
+        index = DivergenceIndex(rows_of_sample)
+        found = list(map_in_order(index.nearest, blocks, self.n_jobs, share_memory=True))
+        nearest, to_nearest = (np.concatenate(parts) for parts in zip(*found, strict=True))
         return (
             np.concatenate([sample[edges], np.stack([others, sample[nearest]], axis=1)]).astype(np.int32),
             np.concatenate([divergences, to_nearest]),
