@@ -47,6 +47,17 @@ def test_a_thousand_scans_are_soon_there_and_few_are_drawn_at_a_time(browser, th
     assert reader.complaints == [] and reader.requests == [thousand.as_uri()]
 
 
+def test_thousands_of_dots_are_drawn_when_they_come_into_sight(browser, tmp_path):
+    rows, labels = grouped_stimuli(3000, 6)
+    write_report(tmp_path / "r.html", model_of(rows, labels), [None] * 3000)
+    reader = Reader(browser, tmp_path / "r.html", 400, 300)
+    page, is_drawn = reader.page, "document.querySelector('canvas.timeline').width !== 300"
+    assert not page.evaluate(is_drawn)
+    page.locator("canvas.timeline").scroll_into_view_if_needed()
+    reader.settle()
+    assert page.evaluate(is_drawn) and reader.complaints == []
+
+
 def test_dragging_turns_a_scan_and_clicking_enlarges_it(browser, thousand):
     reader = Reader(browser, thousand)
     page = reader.page

@@ -41,8 +41,7 @@ class DotMap {
       // A finger does not hover.
       if (event.pointerType !== "mouse") change({ hovered: null });
     });
-    onChange(() => this.draw());
-    new ResizeObserver(() => this.draw()).observe(canvas);
+    drawnInSight(canvas, () => this.draw());
   }
 
   point(event) {
@@ -75,12 +74,15 @@ class DotMap {
     this.backdrop?.(context, width, height);
     this.drawRegions(context, chosen, dot);
     const nJoined = filtration.times.filter((time) => time <= state.time).length;
+    // Of thousands, fans of lines would be solid walls.
+    context.globalAlpha = areThousands ? 1000 / nVertices : 1;
     context.lineWidth = 1;
     context.strokeStyle = FAINT;
     stroke(context, this.pairs.slice(nJoined), this.at);
     context.lineWidth = dot > 4.5 ? 1.6 : 0.8;
     context.strokeStyle = chosen !== null ? "#b3b7c0" : dot > 4.5 ? "#6b7280" : "#8a90a0";
     stroke(context, this.pairs.slice(0, nJoined), this.at);
+    context.globalAlpha = 1;
     this.drawDots(context, chosen, dot);
     this.drawWalls(context, dot);
     this.drawNumbers(context, chosen);

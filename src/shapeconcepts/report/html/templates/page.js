@@ -1,6 +1,6 @@
 // The page from top to bottom.
 function fact(number, text) {
-  return element("div", { className: "fact" }, element("strong", { textContent: number.toLocaleString("en") }), element("span", { textContent: text }));
+  return element("div", { className: "fact" }, element("strong", { textContent: WHOLE.format(number) }), element("span", { textContent: text }));
 }
 
 function fillHeader(header) {
@@ -63,8 +63,8 @@ function timeControl() {
     const { classes, groups, largest } = groupsAt(state.time);
     slider.value = position(state.time);
     slider.setAttribute("aria-valuetext", `time ${shownTime(state.time)}`);
-    note.textContent = `time ${shownTime(state.time)}: ${plural(classes, "class", "classes")}, of which ${groups} `
-      + `${groups === 1 ? "has" : "have"} at least ${filtration.minSize} scans; the largest has ${largest}`;
+    note.textContent = `time ${shownTime(state.time)}: ${plural(classes, "class", "classes")}, of which ${WHOLE.format(groups)} `
+      + `${groups === 1 ? "has" : "have"} at least ${filtration.minSize} scans; the largest has ${WHOLE.format(largest)}`;
   };
   onChange(update);
   update();

@@ -70,6 +70,17 @@ function change(values) {
   isDrawing = true;
   requestAnimationFrame(() => { isDrawing = false; listeners.forEach((listener) => listener()); });
 }
+// A figure is drawn whenever something changes; one of thousands of dots, which takes its time, only while it is within a
+// window's height of sight.
+const areThousands = nVertices > 2000;
+function drawnInSight(canvas, draw) {
+  let isNear = !areThousands;
+  const drawIfNear = () => { if (isNear) draw(); };
+  onChange(drawIfNear);
+  new ResizeObserver(drawIfNear).observe(canvas);
+  if (isNear) return;
+  new IntersectionObserver((entries) => { isNear = entries.at(-1).isIntersecting; drawIfNear(); }, { rootMargin: "100%" }).observe(canvas);
+}
 const highlighted = () => state.hovered ?? state.selected;
 const toggle = (rank) => change({ selected: state.selected === rank ? null : rank });
 
@@ -112,6 +123,9 @@ function shortened(text, most) {
   return letters.length <= most ? text
     : `${letters.slice(0, most - 1 - nLast).join("")}…${letters.slice(letters.length - nLast).join("")}`;
 }
+// Made once: `toLocaleString` makes one for each number, which takes seconds for thousands of scans.
+const [WHOLE, ONE_DIGIT, UP_TO_TWO_DIGITS] = [[0, 0], [1, 1], [0, 2]].map(([least, most]) =>
+  new Intl.NumberFormat("en", { minimumFractionDigits: least, maximumFractionDigits: most }));
 // The unit is that of the longest side: a file in millimetres that was read as metres is seen at once.
 function shownSize(scan) {
   const sides = scans.sides[scan];
@@ -119,13 +133,12 @@ function shownSize(scan) {
   const [unit, metres] = sides[0] < 0.01 ? ["mm", 0.001] : sides[0] < 1 ? ["cm", 0.01] : ["m", 1];
   const number = (side) => {
     const value = side / metres;
-    const [least, most] = value < 0.95 ? [0, 2] : value < 9.95 ? [1, 1] : [0, 0];
-    return value.toLocaleString("en", { minimumFractionDigits: least, maximumFractionDigits: most });
+    return (value < 0.95 ? UP_TO_TWO_DIGITS : value < 9.95 ? ONE_DIGIT : WHOLE).format(value);
   };
   return `${sides.map(number).join(" × ")}\u00a0${unit}`;
 }
 const sizeLine = (scan) => (scans.sides[scan] === null ? "" : element("span", { className: "size", textContent: shownSize(scan) }));
-const plural = (n, one, many = one + "s") => `${n.toLocaleString("en")} ${n === 1 ? one : many}`;
+const plural = (n, one, many = one + "s") => `${WHOLE.format(n)} ${n === 1 ? one : many}`;
 const percent = (share) => `${Math.round(100 * share)} %`;
 
 // A canvas as sharp as the screen; returns its context in CSS pixels.

@@ -18,9 +18,7 @@ function timelineFigure() {
   const canvas = element("canvas", { className: "timeline", role: "img",
     ariaLabel: `Annexations over time, and barcode of ${nVertices} classes` });
   canvas.style.height = `${CURVE + GAP + barHeight() + AXIS}px`;
-  const draw = () => drawTimeline(canvas);
-  onChange(draw);
-  new ResizeObserver(draw).observe(canvas);
+  drawnInSight(canvas, () => drawTimeline(canvas));
   const pulledTo = (event) => timeAt(Math.max(0, Math.min(1, (event.offsetX - LEFT) / (canvas.clientWidth - LEFT - RIGHT))));
   const barAt = (event) => {
     const share = (event.offsetY - CURVE - GAP) / barHeight();
@@ -90,7 +88,7 @@ function drawTimeline(canvas) {
   for (const left of [nVertices, ...[1000, 500, 200, 100, 50, 20, 10, 5].filter((n) => n < nVertices)]) {
     const y = top + rowTop(nVertices - left) * barHeight();
     if (y < free || y > top + barHeight() - 10) continue;
-    context.fillText(left.toLocaleString("en"), LEFT - 6, y + 4);
+    context.fillText(WHOLE.format(left), LEFT - 6, y + 4);
     free = y + 18;
   }
   context.textAlign = "center";
@@ -128,7 +126,7 @@ function drawCurve(context, x) {
   }
   context.fillStyle = "#5b6070";
   context.textAlign = "right";
-  context.fillText(most, LEFT - 6, y(most));
+  context.fillText(WHOLE.format(most), LEFT - 6, y(most));
   context.fillText("0", LEFT - 6, CURVE);
 }
 
