@@ -12,13 +12,15 @@ from numpy.typing import NDArray
 
 from shapeconcepts.concepts import Filtration
 from shapeconcepts.model import ShapeConceptModel
+from shapeconcepts.report.html.class_counts import class_counts
 from shapeconcepts.report.html.filtration_layout import lay_out_filtration
 from shapeconcepts.report.html.ranking import RankedConcept, rank_concepts
 from shapeconcepts.report.html.scan_preview import ScanPreview
+from shapeconcepts.report.html.shown_scans import ShownScans, between_concepts, shown_scans
 from shapeconcepts.report.html.time_scale import TimeScale, annexation_counts
 from shapeconcepts.report.html.tree_layout import lay_out_tree
 from shapeconcepts.report.palette import NO_SEGMENT_COLOUR, SEGMENT_COLOURS
-from shapeconcepts.topology.annexations import Annexations
+from shapeconcepts.topology.annexation_kernels import annex
 from shapeconcepts.topology.divergence import jensen_shannon_divergences
 from shapeconcepts.version import __version__
 
@@ -40,6 +42,7 @@ def report_contents(
     """
     labels = sorted({label for label in model.scan_labels_ if label is not None})
     ranked = rank_concepts(model.concepts_, model.scan_labels_)
+    shown = shown_scans(model)
     return {
         "title": title,
         "version": __version__,
@@ -47,9 +50,10 @@ def report_contents(
         "parameters": [[name, _shown(value)] for name, value in model.get_params(deep=False).items()],
         "segmentColours": [_hexadecimal(c) for c in [*SEGMENT_COLOURS, NO_SEGMENT_COLOUR]],
         "labels": labels,
-        "scans": _scans(model, previews, labels),
-        "concepts": [_concept(model, one, labels) for one in ranked],
-        "filtration": _filtration(model.filtration_),
+        "scans": _scans(model, shown, previews, labels),
+        "counts": _counts(model),
+        "concepts": [_concept(model, one, shown, labels) for one in ranked],
+        "filtration": _filtration(model.filtration_, shown),
         "groups": _groups(model, ranked, labels),
         "skipped": [[model.scan_names_[i] or f"scan {i}", why] for i, why in sorted(model.skipped_.items())],
         "unread": [[str(file), str(reason)] for file, reason in unread],
@@ -57,17 +61,20 @@ def report_contents(
 
 
 def _scans(
-    model: ShapeConceptModel, previews: Sequence[ScanPreview | None], labels: list[str]
+    model: ShapeConceptModel, shown: ShownScans, previews: Sequence[ScanPreview | None], labels: list[str]
 ) -> dict[str, Any]:
     number = {label: i for i, label in enumerate(labels)}
-    n_shown = max(sum(one is not None for one in previews), 1)
-    n_points = max(LARGEST_PREVIEWS // (_BYTES_PER_ELEMENT * n_shown), 1)
-    thinned = [one and one.thinned(n_points) for one in previews]
+    scans = shown.scans.tolist()
+    own_previews = [previews[i] for i in scans]
+    n_pictures = max(sum(one is not None for one in own_previews), 1)
+    n_points = max(LARGEST_PREVIEWS // (_BYTES_PER_ELEMENT * n_pictures), 1)
+    thinned = [one and one.thinned(n_points) for one in own_previews]
+    own_labels = [model.scan_labels_[i] for i in scans]
     return {
-        "names": [name or f"scan {i}" for i, name in enumerate(model.scan_names_)],
-        "labels": [-1 if label is None else number[label] for label in model.scan_labels_],
-        "vertices": model.filtration_.space_.vertices_.tolist(),
-        "skipped": sorted(model.skipped_),
+        "names": [model.scan_names_[i] or f"scan {i}" for i in scans],
+        "labels": [-1 if label is None else number[label] for label in own_labels],
+        "vertices": shown.vertex_of_scan.tolist(),
+        "skipped": np.flatnonzero(np.isin(shown.scans, list(model.skipped_))).tolist(),
         "previews": [one and base64.b64encode(one.to_bytes()).decode("ascii") for one in thinned],
         "extents": [one and round(one.extent, 4) for one in thinned],
         "spacings": [one and round(one.spacing, 5) for one in thinned],
@@ -75,15 +82,33 @@ def _scans(
     }
 
 
-def _concept(model: ShapeConceptModel, ranked: RankedConcept, labels: list[str]) -> dict[str, Any]:
+def _counts(model: ShapeConceptModel) -> dict[str, int]:
+    """Numbers of all scans, where the page may show fewer."""
+    is_left = model.labels_ < 0
+    is_left[list(model.skipped_)] = False
+    is_placed = model.filtration_.space_.vertices_ >= 0
+    return {
+        "scans": len(model.labels_),
+        "inConcepts": int((model.labels_ >= 0).sum()),
+        "loners": int((is_left & is_placed).sum()),
+        "mute": int((is_left & ~is_placed).sum()),
+        "places": len(model.filtration_.space_.multiplicities_),
+    }
+
+
+def _concept(
+    model: ShapeConceptModel, ranked: RankedConcept, shown: ShownScans, labels: list[str]
+) -> dict[str, Any]:
     concept = ranked.concept
-    rows = model.stimuli_[concept.members]
-    distances = jensen_shannon_divergences(rows, model.stimuli_[[concept.medoid]])[:, 0]
-    distances[concept.members == concept.medoid] = -1
+    members = np.intersect1d(concept.members, shown.scans, assume_unique=True)
+    distances = jensen_shannon_divergences(model.stimuli_[members], model.stimuli_[[concept.medoid]])[:, 0]
+    distances[members == concept.medoid] = -1
+    from_the_medoid = members[np.argsort(distances, kind="stable")]
     return {
         "number": ranked.number,
         "name": concept.name,
-        "members": concept.members[np.argsort(distances, kind="stable")].tolist(),
+        "size": concept.size,
+        "members": np.searchsorted(shown.scans, from_the_medoid).tolist(),
         "birth": _rounded(concept.birth),
         "death": _rounded(concept.death) if np.isfinite(concept.death) else None,
         "score": round(ranked.score, 2),
@@ -120,62 +145,58 @@ def _groups(
     return groups
 
 
-def _filtration(filtration: Filtration) -> dict[str, Any]:
-    space = filtration.space_
-    n_vertices = len(space.multiplicities_)
+def _filtration(filtration: Filtration, shown: ShownScans) -> dict[str, Any]:
+    n_vertices = len(shown.vertices)
     scale = TimeScale.of(filtration)
     step_ends, counts = annexation_counts(filtration, scale)
-    is_between = _between_concepts(filtration)
-    edges, times = filtration.edges_[~is_between], filtration.times_[~is_between]
-    within = Annexations.along(space, edges, times)
-    annexations = np.stack([within.dying, within.surviving], axis=1)
+    is_between = between_concepts(filtration)
+    edges, times = shown.edges[~shown.is_between], shown.times[~shown.is_between]
+    dying, surviving, _, _ = annex(edges.astype(np.int32), shown.stands_for)
+    annexations = np.stack([dying, surviving], axis=1)
     # Between concepts nothing enters on the page: what is left in the end are the concepts.
     concept_time = filtration.concept_time_
     if concept_time is not None and filtration.granularity_ is not None:
         concept_time = 1.0
+    tree = shown.edges[np.lexsort(shown.edges.T[::-1])]
+    joins = _first_joins(filtration, ~is_between, np.inf)[shown.vertices]
     return {
         "heatKind": filtration.heat,
         "stop": filtration.stop,
         "axisEnds": scale.ends,
-        "tree": _rounded(lay_out_tree(space.edges_, n_vertices)),
-        "heat": _rounded(_vertex_heat(filtration, scale)),
+        "tree": _rounded(lay_out_tree(tree, n_vertices)),
+        "heat": _rounded(_vertex_heat(filtration, scale)[shown.vertices]),
+        "joins": [time if np.isfinite(time) else None for time in joins.tolist()],
+        "equal": filtration.space_.multiplicities_[shown.vertices].tolist(),
+        "standsFor": shown.stands_for.tolist(),
         "edges": edges.tolist(),
         "times": times.tolist(),
         "annexations": annexations.tolist(),
-        "edgesBetween": filtration.edges_[is_between].tolist(),
-        "timesBetween": filtration.times_[is_between].tolist(),
+        "edgesBetween": shown.edges[shown.is_between].tolist(),
+        "timesBetween": shown.times[shown.is_between].tolist(),
+        "nBetween": int(is_between.sum()),
         "graph": _rounded(lay_out_filtration(annexations, scale.radii(times), n_vertices)),
         "stepEnds": step_ends,
         "stepCounts": counts,
+        "classCounts": class_counts(filtration, is_between, scale),
         "conceptTime": concept_time,
         "granularity": filtration.granularity_,
         "minSize": int(filtration.min_concept_size),
     }
 
 
-def _between_concepts(filtration: Filtration) -> NDArray[np.bool_]:
-    """Which edges are between concepts, or lead to what is in none, (e,) bool."""
-    if filtration.granularity_ is None:
-        return np.zeros(len(filtration.edges_), bool)
-    first, second = _label_of_vertex(filtration)[filtration.edges_].T
-    return (first != second) | (first < 0)
-
-
-def _label_of_vertex(filtration: Filtration) -> NDArray[np.int32]:
-    labels = np.full(len(filtration.space_.multiplicities_), -1, np.int32)
-    is_placed = filtration.space_.vertices_ >= 0
-    labels[filtration.space_.vertices_[is_placed]] = filtration.labels_[is_placed]
-    return labels
+def _first_joins(filtration: Filtration, enters: NDArray[np.bool_], without: float) -> NDArray[np.float64]:
+    """When each vertex has its first neighbour, (v,) float64, along the edges that enter, (e,) bool."""
+    first_joins = np.full(len(filtration.space_.multiplicities_), without)
+    for ends in filtration.edges_[enters].T:
+        np.minimum.at(first_joins, ends, filtration.times_[enters])
+    return first_joins
 
 
 def _vertex_heat(filtration: Filtration, scale: TimeScale) -> NDArray[np.float64]:
     """Heat of each vertex, 0 to 1: of divergences, how late on the axis its first neighbour joins."""
     if filtration.heat == "geodesic":
         return filtration.space_.vertex_heat_
-    first_joins = np.ones(len(filtration.space_.multiplicities_))
-    for ends in filtration.edges_.T:
-        np.minimum.at(first_joins, ends, filtration.times_)
-    positions = scale.positions(first_joins)
+    positions = scale.positions(_first_joins(filtration, np.ones(len(filtration.edges_), bool), 1.0))
     return (
         (positions - positions.min(initial=1)) / max(np.ptp(positions), 1e-9) if len(positions) else positions
     )

@@ -45,7 +45,8 @@ def write_report(
 ) -> None:
     """Write a page that tells what a model learned, and how.
 
-    The page is one file that needs no network, no graphics card and nothing but a browser.
+    The page is one file that needs no network, no graphics card and nothing but a browser. Of more than
+    20,000 scans it shows a sample, of each concept in proportion, and says so; what it counts are all scans.
 
     Parameters
     ----------

@@ -10,10 +10,11 @@ function vertexColour(vertex) {
   return conceptColour(rankOfVertex[vertex]);
 }
 const vertexNote = (vertex) => {
-  const others = scansAt[vertex].length - 1;
+  const others = filtration.equal[vertex] - 1, all = filtration.standsFor[vertex];
   const heat = filtration.heatKind === "geodesic" ? `heat ${filtration.heat[vertex].toFixed(2)}`
     : Number.isFinite(joinTimes[vertex]) ? `joins another at ${shownTime(joinTimes[vertex])}` : "alone";
-  return heat + (others ? ` · ${plural(others, "equal scan")} here too` : "");
+  return heat + (others ? ` · ${plural(others, "equal scan")} here too` : "")
+    + (isSample && all > others + 1 ? ` · stands for ${plural(all, "scan")}` : "");
 };
 
 // Edges within a concept: a broad stroke along them shows it as a region.
@@ -101,7 +102,7 @@ class DotMap {
   drawDots(context, chosen, dot) {
     for (let vertex = 0; vertex < nVertices; vertex++) {
       const isChosen = chosen !== null && rankOfVertex[vertex] === chosen;
-      const radius = dot * Math.sqrt(Math.min(scansAt[vertex].length, 25)) * (isChosen ? 1.25 : 1);
+      const radius = dot * Math.sqrt(Math.min(filtration.equal[vertex], 25)) * (isChosen ? 1.25 : 1);
       context.globalAlpha = chosen === null || isChosen ? 1 : 0.28;
       context.beginPath();
       context.arc(...this.at(vertex), radius, 0, 2 * Math.PI);

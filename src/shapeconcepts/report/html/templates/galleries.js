@@ -1,7 +1,8 @@
-// Each concept with all its scans, and those in none.
+// Each concept with all its scans that are shown, and those in none.
 const FIRST = 16;
 
-function gallery(group, firstNote) {
+// Of the scans of a group, `size` in all, those that are shown.
+function gallery(group, size, firstNote) {
   const grid = element("div", { className: "gallery" });
   const figure = (scan, at) => {
     const label = scans.labels[scan];
@@ -26,15 +27,18 @@ function gallery(group, firstNote) {
   grid.append(...group.slice(0, FIRST).map(figure));
   if (group.length <= FIRST + 2) {
     grid.append(...group.slice(FIRST).map((scan, i) => figure(scan, FIRST + i)));
-    return element("div", {}, grid);
+    return element("div", {}, howManyShown(group, size), grid);
   }
-  const more = element("button", { className: "more", textContent: `Show all ${group.length}`, onclick: () => {
+  const more = element("button", { className: "more", textContent: `Show all ${WHOLE.format(group.length)}`, onclick: () => {
     grid.append(...group.slice(FIRST).map((scan, i) => figure(scan, FIRST + i)));
     grid.children[FIRST].focus({ preventScroll: true });
     more.remove();
   } });
-  return element("div", {}, grid, more);
+  return element("div", {}, howManyShown(group, size), grid, more);
 }
+
+const howManyShown = (group, size) => (group.length === size ? ""
+  : element("p", { className: "quiet", textContent: `${WHOLE.format(group.length)} of ${WHOLE.format(size)} shown` }));
 
 function lifetimeBar(rank) {
   const concept = concepts[rank], birth = position(concept.birth), death = position(concept.death ?? 1);
@@ -46,8 +50,8 @@ function lifetimeBar(rank) {
 }
 
 function conceptCard(rank) {
-  const concept = concepts[rank], size = concept.members.length;
-  const mix = concept.mix.slice(0, 5).map(([label, n]) => `${n} ${labels[label]}`).join(", ") + (concept.mix.length > 5 ? " …" : "");
+  const concept = concepts[rank];
+  const mix = concept.mix.slice(0, 5).map(([label, n]) => `${WHOLE.format(n)} ${labels[label]}`).join(", ") + (concept.mix.length > 5 ? " …" : "");
   const death = concept.death === null ? "never dies" : `joins the next at ${shownTime(concept.death)}`;
   const card = element("article", { id: `concept-${rank}`, className: "card", style: { "--colour": conceptColour(rank) } },
     element("header", {},
@@ -57,12 +61,12 @@ function conceptCard(rank) {
         document.getElementById("how").scrollIntoView({ behavior: "smooth" });
       } })),
     element("dl", {},
-      element("div", {}, element("dt", { textContent: "scans" }), element("dd", { textContent: size })),
+      element("div", {}, element("dt", { textContent: "scans" }), element("dd", { textContent: WHOLE.format(concept.size) })),
       element("div", {}, element("dt", { textContent: "lifetime" }), element("dd", {}, lifetimeBar(rank),
         element("span", { className: "quiet", textContent: `born at ${shownTime(concept.birth)}, ${death}` }))),
       hasLabels ? element("div", {}, element("dt", { textContent: "labels" }), element("dd", {}, mixBar(concept),
         element("span", { className: "quiet", textContent: concept.mix.length ? `${mix} · purity ${percent(concept.purity)}` : "none" }))) : ""),
-    gallery(concept.members, "medoid"));
+    gallery(concept.members, concept.size, "medoid"));
   onChange(() => card.classList.toggle("is-lit", state.selected === rank));
   return card;
 }
@@ -78,21 +82,21 @@ function fillConcepts(section) {
 
 function fillOutside(section) {
   const skipped = new Set(scans.skipped);
-  const all = Array.from({ length: nScans }, (_, scan) => scan).filter((scan) => rankOfScan[scan] < 0 && !skipped.has(scan));
+  const all = Array.from({ length: nShown }, (_, scan) => scan).filter((scan) => rankOfScan[scan] < 0 && !skipped.has(scan));
   const loners = all.filter((scan) => scans.vertices[scan] >= 0).sort((a, b) => joinTimes[scans.vertices[a]] - joinTimes[scans.vertices[b]]);
   const mute = all.filter((scan) => scans.vertices[scan] < 0);
-  if (loners.length) {
+  if (counts.loners) {
     section.append(element("h2", { textContent: "In no concept" }),
       element("p", { textContent: concepts.length
-        ? (isBusiest ? `${plural(loners.length, "scan")} had not joined ${filtration.minSize - 1} others or more by time ${shownTime(filtration.conceptTime)}. `
-          : `${plural(loners.length, "scan")} found fewer than ${filtration.minSize - 1} others. `) + "Their shapes are rare here, "
+        ? (isBusiest ? `${plural(counts.loners, "scan")} had not joined ${filtration.minSize - 1} others or more by time ${shownTime(filtration.conceptTime)}. `
+          : `${plural(counts.loners, "scan")} found fewer than ${filtration.minSize - 1} others. `) + "Their shapes are rare here, "
           + "in between, or were seen badly. Those that join another the soonest come first."
         : "There are no concepts, so all scans are here." }),
-      element("div", { className: "card" }, gallery(loners)));
+      element("div", { className: "card" }, gallery(loners, counts.loners)));
   }
-  if (mute.length) {
+  if (counts.mute) {
     section.append(element("h2", { textContent: "Without a place" }),
-      element("p", { textContent: `${plural(mute.length, "scan")} share no motif with any other scan: nothing to compare, so no place in the tree.` }),
-      element("div", { className: "card" }, gallery(mute)));
+      element("p", { textContent: `${plural(counts.mute, "scan")} share no motif with any other scan: nothing to compare, so no place in the tree.` }),
+      element("div", { className: "card" }, gallery(mute, counts.mute)));
   }
 }

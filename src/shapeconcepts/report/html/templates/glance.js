@@ -6,7 +6,7 @@ function overviewTile(rank) {
     element("button", { className: "tile-name", onclick: () => toggle(rank) },
       oneLine(conceptName(rank)),
       sizeLine(concept.members[0]),
-      element("span", { className: "quiet", textContent: plural(concept.members.length, "scan") }),
+      element("span", { className: "quiet", textContent: plural(concept.size, "scan") }),
       hasLabels ? mixBar(concept) : ""));
   follows(tile, rank);
   return tile;
@@ -25,10 +25,10 @@ function follows(node, rank) {
 }
 
 function rankedBars() {
-  const largest = Math.max(...concepts.map((concept) => concept.members.length));
+  const largest = Math.max(...concepts.map((concept) => concept.size));
   const longest = Math.max(...concepts.map(lifetime));
   const columns = concepts.map((concept, rank) => {
-    const size = concept.members.length;
+    const size = concept.size;
     const bar = element("button", { className: "column", onclick: () => toggle(rank),
       title: `${conceptName(rank)}: ${plural(size, "scan")}`
         + (hasLabels ? `, purity ${percent(concept.purity)}, rank score ${concept.score}` : "")
@@ -60,8 +60,8 @@ function legend(entries, text = "") {
 function fillGlance(section) {
   if (concepts.length === 0) {
     section.append(element("h2", { textContent: "No concepts this time" }), element("p", { textContent:
-      nVertices < 2
-        ? `All scans with something in common lie at ${nVertices === 1 ? "one place" : "no place at all"} of the space: there is nothing to tell apart.`
+      counts.places < 2
+        ? `All scans with something in common lie at ${counts.places === 1 ? "one place" : "no place at all"} of the space: there is nothing to tell apart.`
         : (isBusiest ? `At no time do the scans fall into at least two groups of ${filtration.minSize} or more of which none holds more than half of them`
           : `No group of ${filtration.minSize} or more scans is left in the end`) + ". More scans, or a smaller minimum size, may change that. What was found stands below." }));
     return;

@@ -20,7 +20,8 @@ function treeFigure() {
     };
   };
   return mapFigure("The spanning tree",
-    "Every dot is a scan; a line joins it to the one most like it, so that all hang together with the least "
+    (isSample ? "Every dot is one of the scans shown, and stands for those that join it first; " : "Every dot is a scan; ")
+    + "a line joins it to the one most like it, so that all hang together with the least "
     + "difference in total. Only the pattern of the lines counts, not their length. " + (filtration.heatKind === "geodesic"
       ? "A scan is cold where it is many lines away from the rest: the tips of the twigs. The middle, near to all, is hot, "
         + "and there unlike things meet."
@@ -75,22 +76,11 @@ function graphFigure() {
 
 // Groups at a time: how many classes, how many large enough, and the largest.
 function groupsAt(time) {
-  const parents = Int32Array.from({ length: nVertices }, (_, i) => i);
-  const sizes = Int32Array.from(scansAt, (here) => here.length);
-  const find = (v) => { while (parents[v] !== v) v = parents[v] = parents[parents[v]]; return v; };
-  let classes = nVertices;
-  filtration.edges.forEach(([a, b], i) => {
-    if (filtration.times[i] > time) return;
-    const [ra, rb] = [find(a), find(b)];
-    parents[rb] = ra;
-    sizes[ra] += sizes[rb];
-    classes -= 1;
-  });
-  let groups = 0, largest = 0;
-  for (let v = 0; v < nVertices; v++) {
-    if (parents[v] !== v) continue;
-    if (sizes[v] >= filtration.minSize) groups += 1;
-    largest = Math.max(largest, sizes[v]);
+  const { times, classes, groups, largest } = filtration.classCounts;
+  let [first, after] = [0, times.length];
+  while (after - first > 1) {
+    const middle = (first + after) >> 1;
+    if (times[middle] <= time) first = middle; else after = middle;
   }
-  return { classes, groups, largest };
+  return { classes: classes[first], groups: groups[first], largest: largest[first] };
 }

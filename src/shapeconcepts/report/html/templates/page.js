@@ -4,9 +4,7 @@ function fact(number, text) {
 }
 
 function fillHeader(header) {
-  const inConcepts = rankOfScan.filter((rank) => rank >= 0).length;
-  const nSkipped = contents.skipped.length, nUnread = contents.unread.length;
-  const outside = nScans - inConcepts - nSkipped;
+  const nScans = counts.scans, nSkipped = contents.skipped.length, nUnread = contents.unread.length;
   header.append(
     element("p", { className: "kicker", textContent: "shapeconcepts" }),
     element("h1", {}, named(contents.title)),
@@ -16,9 +14,11 @@ function fillHeader(header) {
     element("div", { className: "facts" },
       fact(nScans + nUnread, nScans + nUnread === 1 ? "scan" : "scans"),
       fact(concepts.length, concepts.length === 1 ? "concept" : "concepts"),
-      fact(inConcepts, "in a concept"),
-      fact(outside, "in none"),
-      fact(nSkipped + nUnread, "left out")));
+      fact(counts.inConcepts, "in a concept"),
+      fact(nUsed - counts.inConcepts, "in none"),
+      fact(nSkipped + nUnread, "left out")),
+    isSample ? element("p", { id: "sample", textContent: `Shown are ${WHOLE.format(nShown)} of ${plural(nUsed, "scan")}, drawn `
+      + (concepts.length ? "in proportion from each concept, and more from small ones. " : "at random. ") + "All numbers are those of all scans." }) : "");
 }
 
 function colouringChoice() {
@@ -114,7 +114,7 @@ function followSelection(bar) {
     if (rank === null) return;
     const go = (id) => () => document.getElementById(id).scrollIntoView({ behavior: "smooth" });
     bar.replaceChildren(element("span", { className: "key", style: { background: conceptColour(rank) } }), oneLine(conceptName(rank)),
-      element("span", { className: "quiet", textContent: plural(concepts[rank].members.length, "scan") }),
+      element("span", { className: "quiet", textContent: plural(concepts[rank].size, "scan") }),
       element("button", { textContent: "figures", onclick: go("how") }),
       element("button", { textContent: "its scans", onclick: go(`concept-${rank}`) }),
       element("button", { textContent: "×", ariaLabel: "Let go of this concept", onclick: () => change({ selected: null }) }));

@@ -1,10 +1,12 @@
 // What is shown, what is highlighted, and who wants to know.
 const contents = JSON.parse(document.getElementById("contents").textContent);
-const { scans, concepts, filtration, labels } = contents;
+const { scans, concepts, filtration, labels, counts } = contents;
 const hasLabels = labels.length > 0;
 const nVertices = filtration.heat.length;
-const nScans = scans.names.length;
-const nPlaced = scans.vertices.filter((vertex) => vertex >= 0).length;
+// Of very many scans a sample is here; what is counted are all.
+const nShown = scans.names.length;
+const nUsed = counts.scans - contents.skipped.length;
+const isSample = nShown < nUsed;
 
 // Categorical colours that colour-blind readers tell apart too (P. Tol's "muted"; Okabe and Ito's, and what lies
 // farthest from those in CIELAB under normal and simulated red- and green-blind vision).
@@ -20,7 +22,7 @@ const conceptName = (rank) => concepts[rank].name || `concept ${concepts[rank].n
 const lifetime = (concept) => (concept.death === null ? 1 : concept.death) - concept.birth;
 
 // Rank of each scan's and each vertex's concept, -1 for none; scans at each vertex.
-const rankOfScan = new Int32Array(nScans).fill(-1);
+const rankOfScan = new Int32Array(nShown).fill(-1);
 concepts.forEach((concept, rank) => concept.members.forEach((scan) => { rankOfScan[scan] = rank; }));
 const rankOfVertex = new Int32Array(nVertices).fill(-1);
 const scansAt = Array.from({ length: nVertices }, () => []);
@@ -53,10 +55,9 @@ function ticks(room) {
 
 // Concepts are either taken at the busiest step of time, or groups that significant splits keep apart.
 const isBusiest = filtration.stop === "annexations";
-const nBetween = filtration.edgesBetween.length;
+const nBetween = filtration.nBetween;
 // Time at which each vertex has its first neighbour.
-const joinTimes = new Float64Array(nVertices).fill(Infinity);
-filtration.edges.forEach((ends, i) => ends.forEach((vertex) => { joinTimes[vertex] = Math.min(joinTimes[vertex], filtration.times[i]); }));
+const joinTimes = Float64Array.from(filtration.joins, (time) => time ?? Infinity);
 const heatName = filtration.heatKind === "geodesic" ? "heat" : "divergence";
 
 const state = { hovered: null, selected: null, time: isBusiest ? filtration.conceptTime ?? 1 : 1, colouring: "concept" };
@@ -154,7 +155,7 @@ function sharpContext(canvas, width, height) {
 
 // Bar of label proportions.
 function mixBar(concept) {
-  const size = concept.members.length;
+  const size = concept.size;
   const unlabelled = size - concept.mix.reduce((sum, [, n]) => sum + n, 0);
   const parts = unlabelled ? [...concept.mix, [-1, unlabelled]] : concept.mix;
   return element("span", { className: "mix" }, ...parts.map(([label, n]) => element("span", {

@@ -48,7 +48,7 @@ function timelineFigure() {
   return element("figure", {}, element("h3", { textContent: "Annexations over time, and the barcode" }), canvas,
     element("figcaption", { textContent:
       `Above: how many classes are annexed in each step of time. ${stopText()}`
-      + "Below, one bar for each scan (persistent homology calls it the barcode of H₀): it lasts until its class is "
+      + `Below, one bar for each scan${isSample ? " shown" : ""} (persistent homology calls it the barcode of H₀): it lasts until its class is `
       + "annexed by a larger one" + (isBusiest ? ". Long bars are groups that hold their own." : "; those with an arrow are the concepts.")
       + (isCrowded ? " Their rows widen downwards, for those that last." : "")
       + (isOdds ? " Time is the mean divergence of two groups that join, from 0, the same, to 1, nothing in common; its axis is that of odds." : "") }));
@@ -95,7 +95,7 @@ function drawTimeline(canvas) {
   context.save();
   context.translate(8, top + barHeight() / 2);
   context.rotate(-Math.PI / 2);
-  context.fillText("classes left", 0, 0);
+  context.fillText(isSample ? "classes left of those shown" : "classes left", 0, 0);
   context.restore();
   drawCursor(context, x, top);
 }

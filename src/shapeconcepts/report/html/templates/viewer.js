@@ -17,7 +17,7 @@ function openViewer(group, at) {
     element("p", { className: "quiet", textContent: [where, label, shownSize(scan)].filter(Boolean).join(" · ") }),
     group.length > 1 ? element("p", { className: "steps" },
       element("button", { textContent: "‹ previous", onclick: () => step(-1) }),
-      element("span", { className: "quiet", textContent: `${at + 1} of ${group.length}` }),
+      element("span", { className: "quiet", textContent: `${at + 1} of ${group.length}${isSample ? " shown" : ""}` }),
       element("button", { textContent: "next ›", onclick: () => step(1) })) : "",
     element("p", { className: "quiet small", textContent: "Drag or use the arrow keys to turn it. One colour is one surface." }),
   );
