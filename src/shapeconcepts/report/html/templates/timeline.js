@@ -126,7 +126,7 @@ function drawCurve(context, x) {
   }
   context.fillStyle = "#5b6070";
   context.textAlign = "right";
-  context.fillText(WHOLE.format(most), LEFT - 6, y(most));
+  context.fillText(most < 1e5 ? WHOLE.format(most) : `${WHOLE.format(most / 1000)} k`, LEFT - 6, y(most));
   context.fillText("0", LEFT - 6, CURVE);
 }
 
