@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
@@ -37,17 +38,21 @@ def map_on_cluster(client: Any, work: Callable[[Chunk], Result], chunks: Iterabl
     chunks : iterable
         Taken a few ahead of the results.
     """
+    # Comes with Dask.
+    import cloudpickle
+
     # A task of its own: data that are only handed out are lost with the last worker that has them.
     carried = client.submit(_same, work, pure=False)
     waiting: deque[Any] = deque()
     most = _WAITING_PER_THREAD * max(sum(client.nthreads().values()), 1)
     try:
         for chunk in chunks:
-            waiting.append(client.submit(_done, carried, chunk, pure=False))
+            # In one piece: many small arrays are sent one by one.
+            waiting.append(client.submit(_done, carried, cloudpickle.dumps(chunk), pure=False))
             if len(waiting) == most:
-                yield waiting.popleft().result()
+                yield pickle.loads(waiting.popleft().result())
         while waiting:
-            yield waiting.popleft().result()
+            yield pickle.loads(waiting.popleft().result())
     finally:
         client.cancel([carried, *waiting])
 
@@ -56,9 +61,9 @@ def _same(work: Any) -> Any:
     return work
 
 
-def _done(work: Callable[[Any], Any], chunk: Any) -> Any:
+def _done(work: Callable[[Any], Any], chunk: bytes) -> bytes:
     _keep_libraries_in_one_thread()
-    return work(chunk)
+    return pickle.dumps(work(pickle.loads(chunk)))
 
 
 @cache

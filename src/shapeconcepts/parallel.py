@@ -27,6 +27,8 @@ Result = TypeVar("Result")
 MOST_AT_ONCE = 32
 _CHUNKS_PER_JOB = 4
 _AT_ONCE_FROM_A_STREAM = 8
+# How much more it costs to send something to another machine.
+_TIMES_FURTHER = 4
 # Kernels run without the lock of Python, so that a few threads keep as many cores busy, and are neither
 # started nor sent anything. It is held for a sixth of the time: beyond these, processes do more.
 MOST_THREADS = 4
@@ -65,12 +67,13 @@ def map_in_order(
     if n_jobs == 1:
         yield from map(work, items)
         return
-    at_once = _AT_ONCE_FROM_A_STREAM
+    client, at_once = active_cluster(), _AT_ONCE_FROM_A_STREAM
     if isinstance(items, Sized):
-        at_once = min(max(len(items) // (_CHUNKS_PER_JOB * n_jobs), 1), MOST_AT_ONCE)
+        most = MOST_AT_ONCE * (_TIMES_FURTHER if client else 1)
+        at_once = min(max(len(items) // (_CHUNKS_PER_JOB * n_jobs), 1), most)
     remaining = iter(items)
     chunks = iter(lambda: list(islice(remaining, at_once)), [])
-    if client := active_cluster():
+    if client:
         for results in map_on_cluster(client, partial(_work_on, work), chunks):
             yield from results
         return
