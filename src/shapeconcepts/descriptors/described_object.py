@@ -100,6 +100,8 @@ def describe(
         imagined = imagine_occlusion(segmented, number)
         if imagined is not None:
             rest = describe(imagined.segmented, descriptor)
+            # What was never seen is remembered roughly, and half of what takes memory in learning are these.
+            rest = replace(rest, description=rest.description.in_single_precision())
             occlusions.append(DescribedOcclusion(rest, imagined.segments))
     return DescribedObject(
         description, segmented.segment_edges, segmented.name, segmented.label, tuple(occlusions)
