@@ -86,12 +86,19 @@ def test_respond_as_typed(folder: Path, tmp_path: Path) -> None:
     assert result.returncode == 0, result.stderr
     names, responses, predictions = expected(folder, folder / "m.safetensors")
     titles, rows = read_csv(result.stdout)
-    assert titles == ["scan", "label", "concept", *(f"concept{k}" for k in range(responses.shape[1]))]
+    assert titles == [
+        "scan",
+        "label",
+        "concept",
+        "p_value",
+        *(f"concept{k}" for k in range(responses.shape[1])),
+    ]
     assert [row[0] for row in rows] == names
     assert [row[1] for row in rows] == [name.split("/")[0] for name in names]
     assert [row[2] for row in rows] == list(map(in_words, predictions))
-    values = np.array([[float(value or "nan") for value in row[3:]] for row in rows])
+    values = np.array([[float(value or "nan") for value in row[4:]] for row in rows])
     np.testing.assert_array_equal(values, responses)
+    assert all(0 < float(row[3]) <= 1 for row in rows)
     assert result.stderr.startswith("Skipped 1 of 10 scans:\n")
     assert "letter.pcd" in result.stderr
     assert list(tmp_path.iterdir()) == []
@@ -116,7 +123,7 @@ def test_the_table_holds_the_same(folder: Path, tmp_path: Path) -> None:
     assert [row[0] for row in rows] == names
     assert [row[2] for row in rows] == list(map(in_words, predictions))
     for row, values in zip(rows, responses, strict=True):
-        assert row[3:] == [f"{value:.3g}" for value in values if value == value]
+        assert row[4:] == [f"{value:.3g}" for value in values if value == value]
     written = run("respond", folder / "m.safetensors", folder / "new", "--output", tmp_path / "table.txt")
     assert written.stdout == ""
     assert (tmp_path / "table.txt").read_text() == result.stdout
@@ -150,8 +157,8 @@ def test_a_scan_without_a_stimulus_is_unknown(folder: Path, monkeypatch: pytest.
     assert set(line["responses"].values()) == {None}
     _, [row] = read_csv(run(*arguments, "--format", "csv").stdout)
     assert row[2] == "unknown"
-    assert set(row[3:]) == {""}
-    assert run(*arguments).stdout.split()[-1] == "unknown"
+    assert set(row[4:]) == {""}
+    assert run(*arguments).stdout.split()[-2] == "unknown"
 
 
 def test_output_goes_to_a_file_whole_or_not_at_all(
@@ -306,7 +313,7 @@ def test_concepts_get_names(folder: Path, model_file: Path) -> None:
     model = shapeconcepts.load_model(model_file)
     assert [concept.name for concept in model.concepts_][:2] == ["tin cans", "b=1"]
     titles, rows = read_csv(run("respond", model_file, folder / "training", "--format", "csv").stdout)
-    assert titles[3:5] == ["tin cans", "b=1"]
+    assert titles[4:6] == ["tin cans", "b=1"]
     _, numbers = read_csv(
         run("respond", folder / "m.safetensors", folder / "training", "--format", "csv").stdout
     )

@@ -214,7 +214,7 @@ def test_parameters_survive(path):
     # Every parameter there is, but for those of the machine and for whole stages.
     left = loaded.get_params().keys() - parameters.keys()
     stages = {"segmenter", "ensemble", "ensemble__dictionary", "filtration", "response"}
-    assert left == stages | {"n_jobs", "ensemble__n_jobs", "descriptor__radius"}
+    assert left == stages | {"n_jobs", "ensemble__n_jobs", "filtration__n_jobs", "descriptor__radius"}
     objects = described_objects(3, seed=2, descriptor=FPFH())
     assert differences(model.transform(objects), loaded.transform(objects)) == []
 
@@ -292,7 +292,10 @@ def test_an_unfitted_model_cannot_be_saved(path):
         (lambda model: setattr(model.concepts_[0], "name", 5), r"concept_names\[0\] must be a string, got 5"),
         (lambda model: model.scan_labels_.__setitem__(3, 7), r"scan_labels\[3\]"),
         (lambda model: model.scan_names_.pop(), "scan_names must be a list of 40"),
-        (lambda model: model.ensemble_.partial_fit(described_objects(1)), "response.mean must have shape"),
+        (
+            lambda model: model.ensemble_.partial_fit(described_objects(1)),
+            "objects.distances must have shape",
+        ),
         (lambda model: model.response_.set_params(n_nearest=0), "'n_nearest' parameter of ConceptResponse"),
         (lambda model: model.filtration_.set_params(heat="warm"), "'heat' parameter of Filtration"),
         (lambda model: model.segmenter_.set_params(voxel_size=np.nan), "cannot be saved"),

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from numbers import Integral
+from numbers import Integral, Real
 from os import PathLike
 from typing import Any, ClassVar
 
@@ -17,6 +18,7 @@ from sklearn.utils._param_validation import HasMethods
 from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.concepts import Concept, ConceptResponse, ConceptTree, Filtration
+from shapeconcepts.concepts.novelty import Novelty
 from shapeconcepts.concepts.recognition import Recognition, concept_shares, foreign_segments
 from shapeconcepts.concepts.whole_objects import whole_divergences
 from shapeconcepts.descriptors import (
@@ -73,6 +75,8 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
         Labels are those that came with the training scans. Nothing is learned from them.
     skipped_ : dict of int to str
         Training scans that could not be described, with the reason.
+    novelty_ : Novelty or None
+        What tells scans of something known from new things. None with an ensemble of one's own.
     n_features_in_ : int (3, the coordinates of a point)
 
     Examples
@@ -195,8 +199,21 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
 
         names, labels = [one.name for one in results], [one.label for one in results]
         skipped = {i: one.reason for i, one in enumerate(results) if one.described is None}
+        hierarchies = getattr(ensemble, "hierarchies_", None)
+        novelty = hierarchies and Novelty(hierarchies.object_histograms, n_jobs=self.n_jobs)
         return self._remember(
-            ModelState(segmenter, descriptor, ensemble, filtration, response, stimuli, names, labels, skipped)
+            ModelState(
+                segmenter,
+                descriptor,
+                ensemble,
+                filtration,
+                response,
+                stimuli,
+                names,
+                labels,
+                skipped,
+                novelty,
+            )
         )
 
     def fit_transform(self, X: Iterable[object], y: object = None) -> NDArray[np.float64]:
@@ -287,37 +304,90 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
             [tree.mean_distances(distances, members, own) for distances in (by_stimuli, by_whole)], axis=1
         )
 
-    def predict(self, X: Iterable[object]) -> NDArray[np.int64]:
+    def predict(self, X: Iterable[object], unknown_rate: float | None = None) -> NDArray[np.int64]:
         """Concept of whose members each scan reminds most, -1 for a scan unlike all.
 
-        Parameters, errors and warnings are those of `transform`.
+        Parameters, errors and warnings are those of `recognise`.
 
         Returns
         -------
         (m,) int64
             Position in `concepts_`, or -1.
         """
-        return self.recognise(X).concepts
+        return self.recognise(X, unknown_rate).concepts
 
-    def recognise(self, X: Iterable[object]) -> Recognition:
-        """Concepts of scans, responses, and how much each scan reminds of each concept's members, at once.
+    def recognise(self, X: Iterable[object], unknown_rate: float | None = None) -> Recognition:
+        """Concepts of scans, responses, how much each scan reminds of each concept's members, and p-values.
 
         A scan of which a part is hidden reminds of what the imagined occlusions of training scans left. Where
         the stimuli are of motifs, the concept is the one whose nearest training scans are nearest.
 
-        Parameters, errors and warnings are those of `transform`.
+        Parameters, errors and warnings are those of `transform`, and more:
+
+        Parameters
+        ----------
+        X : iterable
+        unknown_rate : float or None
+            Share of scans of something known that may be called unknown, 0 to 1: those with a p-value up to
+            it. It holds for scans like those in training, not where more is hidden, or noise is stronger.
+            None: a scan is unknown where it is farther from every training scan than any of these from its
+            neighbours, which promises nothing.
+
+        Raises
+        ------
+        ValueError
+            If `unknown_rate` is no number from 0 to 1, or the ensemble is one of one's own.
+
+        Warns
+        -----
+        UserWarning
+            If there are too few training scans to promise such a rate: nothing is called unknown.
         """
+        check_is_fitted(self, "response_")
+        self._check_rate(unknown_rate)
         described = self._described(X)
         stimuli = self._rows(described, self.ensemble_.transform)
         concepts, responses = self.response_.predict(stimuli), self.response_.transform(stimuli)
-        if not getattr(self.ensemble_, "knows_objects", False):
-            return Recognition(concepts, responses, None)
-        reminders = self._rows(described, self.ensemble_.reminders)
-        shares = concept_shares(reminders, self._concept_of_object, len(self.concepts_))
-        if self.concepts_:
-            is_known = (concepts >= 0) & shares.any(axis=1)
-            concepts = np.where(is_known, shares.argmax(axis=1), -1)
-        return Recognition(concepts, responses, shares)
+        shares, is_known = None, concepts >= 0
+        if getattr(self.ensemble_, "knows_objects", False):
+            reminders = self._rows(described, self.ensemble_.reminders)
+            shares = concept_shares(reminders, self._concept_of_object, len(self.concepts_))
+        if shares is not None and self.concepts_:
+            concepts = np.where(shares.any(axis=1), shares.argmax(axis=1), -1)
+        p_values = self._p_values(described, concepts)
+        if unknown_rate is not None and p_values is not None:
+            is_known = p_values > unknown_rate
+        return Recognition(np.where(is_known, concepts, -1), responses, shares, p_values)
+
+    def _check_rate(self, unknown_rate: float | None) -> None:
+        if unknown_rate is None:
+            return
+        is_number = isinstance(unknown_rate, Real) and not isinstance(unknown_rate, bool)
+        if not is_number or not 0 <= unknown_rate <= 1:
+            raise ValueError(f"unknown_rate must be a number from 0 to 1, got {unknown_rate!r}")
+        if self.novelty_ is None:
+            raise ValueError("unknown_rate needs a MotifHierarchyEnsemble, the ensemble is one of one's own")
+        smallest = self.novelty_.smallest_rate
+        if unknown_rate < smallest:
+            warnings.warn(
+                f"{len(self.novelty_.distances)} training scans promise a rate of {smallest:.2g} at best, "
+                f"got unknown_rate {unknown_rate:g}: no scan will be called unknown",
+                UserWarning,
+                stacklevel=4,
+            )
+
+    def _p_values(
+        self, described: list[DescribedObject | None], concepts: NDArray[np.int64]
+    ) -> NDArray[np.float64] | None:
+        if self.novelty_ is None:
+            return None
+        distances = np.full(len(described), np.nan)
+        wholes = [one.description.whole() for one in described if one]
+        if wholes:
+            distances[[i for i, one in enumerate(described) if one]] = self.novelty_.distances_of(
+                np.array(wholes)
+            )
+        return self.novelty_.p_values(distances, concepts, self._concept_of_object)
 
     def explain(self, scan: object) -> Explanation:
         """Which motifs a scan fires, how strongly, which training scans they come from, and what is foreign.
@@ -382,6 +452,7 @@ class ShapeConceptModel(StagesMixin, ClusterMixin, TransformerMixin, BaseEstimat
                 self.scan_names_,
                 self.scan_labels_,
                 self.skipped_,
+                self.novelty_,
             ),
         )
 

@@ -28,7 +28,15 @@ from shapeconcepts.cli.options import (
     scan_files,
 )
 from shapeconcepts.cli.response_formats import Response, ResponseWriter, check_parquet, response_writer
-from shapeconcepts.cli.terminal import check_writable, fail, progress, say, say_notices, say_skipped
+from shapeconcepts.cli.terminal import (
+    check_writable,
+    fail,
+    progress,
+    say,
+    say_notices,
+    say_skipped,
+    warnings_said,
+)
 
 if TYPE_CHECKING:
     from shapeconcepts.model import ShapeConceptModel
@@ -60,6 +68,17 @@ def respond(
         typer.Option(metavar="FILE", help="Write there, at the end, instead of to the terminal."),
     ] = None,
     granularity: Granularity = None,
+    unknown_rate: Annotated[
+        float | None,
+        typer.Option(
+            metavar="RATE",
+            min=0,
+            max=1,
+            show_default="what is farther from all than any training scan from the next",
+            help="Call a scan unknown where its p-value is RATE at most: of scans of something known, so "
+            "large a share is, such as 0.05.",
+        ),
+    ] = None,
     scenes: Scenes = None,
     intrinsics: Intrinsics = None,
     depth_scale: DepthScale = None,
@@ -72,8 +91,9 @@ def respond(
     """Say how much scans resemble each concept of a model: the smaller a response, the more alike.
 
     For each scan: the concept of whose members the scan reminds most, by name or number, or "unknown" where
-    it is like none; and the response of each concept, which is the mean distance to its members (nothing
-    where the scan has nothing that the model knows).
+    it is like none; the p-value, which is the probability that a scan of something known would be as unlike
+    all training scans, or more; and the response of each concept, which is the mean distance to its members
+    (nothing where the scan has nothing that the model knows).
 
     Scans that cannot be used are skipped and listed at the end. The exit code is 0 if there is a response,
     1 if not, and 2 if the command line is wrong.
@@ -98,10 +118,10 @@ def respond(
     count = 0
     read = read_objects(files, reader, jobs, strict=strict)
     found = _usable(progress(read, len(files), "Reading scans", show=not writer.streams), skipped, strict)
-    with one_thread():
+    with one_thread(), warnings_said():
         while chunk := list(islice(found, _AT_ONCE)):
             notices += [(one.name, notice) for one in chunk for notice in one.notices]
-            responses = _responses_or_reasons(learned, chunk, skipped)
+            responses = _responses_or_reasons(learned, chunk, skipped, unknown_rate)
             writer.write(responses)
             count += len(responses)
     if strict and skipped:
@@ -128,33 +148,47 @@ def _usable(
 
 
 def _responses_or_reasons(
-    model: ShapeConceptModel, objects: list[ReadObject], skipped: list[tuple[str, str]]
+    model: ShapeConceptModel,
+    objects: list[ReadObject],
+    skipped: list[tuple[str, str]],
+    unknown_rate: float | None,
 ) -> list[Response]:
     """Responses to several scans at once or, where that fails, one by one; those without one are noted."""
     from shapeconcepts.scan import ScanError, scan_errors
 
     try:
         with scan_errors(objects[0].name, "compared with the concepts"):
-            return _responses(model, objects)
+            return _responses(model, objects, unknown_rate)
     except ScanError as error:
         if len(objects) == 1:
             skipped.append((objects[0].name, str(error)))
             return []
-    return [response for one in objects for response in _responses_or_reasons(model, [one], skipped)]
+    return [
+        response for one in objects for response in _responses_or_reasons(model, [one], skipped, unknown_rate)
+    ]
 
 
-def _responses(model: ShapeConceptModel, objects: list[ReadObject]) -> list[Response]:
-    recognition = model.recognise(one.described for one in objects)
+def _responses(
+    model: ShapeConceptModel, objects: list[ReadObject], unknown_rate: float | None
+) -> list[Response]:
+    recognition = model.recognise((one.described for one in objects), unknown_rate)
+    # A model from a file has an ensemble of ours.
+    assert recognition.p_values is not None
     return [
         Response(
             scan=one.name,
             label=None if one.described is None else one.described.label,
             number=number,
             concept=concept_title(model, number),
+            p_value=p_value,
             values=row,
         )
-        for one, number, row in zip(
-            objects, recognition.concepts.tolist(), recognition.responses, strict=True
+        for one, number, p_value, row in zip(
+            objects,
+            recognition.concepts.tolist(),
+            recognition.p_values.tolist(),
+            recognition.responses,
+            strict=True,
         )
     ]
 

@@ -26,12 +26,13 @@ _NEAREST = 3
 
 
 class Response(NamedTuple):
-    """What is said of a scan: the concept as number and in words, and (k,) responses, maybe NaN."""
+    """What is said of a scan: the concept as number and in words, p-value, and (k,) responses, maybe NaN."""
 
     scan: str
     label: str | None
     number: int
     concept: str
+    p_value: float
     values: NDArray[np.float64]
 
 
@@ -71,12 +72,13 @@ class TableWriter(ResponseWriter):
         has_labels = any(one.label is not None for one in self.responses)
         wide = len(self.titles) > _MOST_COLUMNS
         values = [f"nearest {_NEAREST} of {len(self.titles)} concepts"] if wide else self.titles
-        titles = ["scan", *["label"] * has_labels, "concept", *values]
+        titles = ["scan", *["label"] * has_labels, "concept", "p-value", *values]
         rows = [
             [
                 one.scan,
                 *[one.label or ""] * has_labels,
                 one.concept,
+                _number(one.p_value),
                 *(self._nearest(one) if wide else map(_number, one.values)),
             ]
             for one in self.responses
@@ -123,14 +125,15 @@ class LineWriter(ResponseWriter):
 
 
 class CsvWriter(LineWriter):
-    """Scan, label, concept, and a column for each concept; an empty cell where there is no response."""
+    """Scan, label, concept, p-value, and a column for each concept; empty where there is no response."""
 
     def start(self) -> None:
-        self._write_row(["scan", "label", "concept", *map(self.shown, self.titles)])
+        self._write_row(["scan", "label", "concept", "p_value", *map(self.shown, self.titles)])
 
     def write_line(self, one: Response) -> None:
         names = map(self.shown, (one.scan, one.label or "", one.concept))
-        self._write_row([*names, *["" if v != v else repr(v) for v in _floats(one)]])
+        numbers = [one.p_value, *_floats(one)]
+        self._write_row([*names, *["" if v != v else repr(v) for v in numbers]])
 
     def _write_row(self, cells: list[str]) -> None:
         row = StringIO()
@@ -145,8 +148,11 @@ class JsonLinesWriter(LineWriter):
     def write_line(self, one: Response) -> None:
         values = [None if value != value else value for value in _floats(one)]
         line = {"scan": one.scan, "label": one.label, "number": one.number, "concept": one.concept}
+        p_value = None if one.p_value != one.p_value else one.p_value
         responses = dict(zip(self.titles, values, strict=True))
-        self.stream.write(json.dumps({**line, "responses": responses}, allow_nan=False) + "\n")
+        self.stream.write(
+            json.dumps({**line, "p_value": p_value, "responses": responses}, allow_nan=False) + "\n"
+        )
 
 
 class ParquetWriter(ResponseWriter):
@@ -166,6 +172,8 @@ class ParquetWriter(ResponseWriter):
             "label": pyarrow.array([one.label and encodable(one.label) for one in self.responses], text),
             "concept": pyarrow.array([encodable(one.concept) for one in self.responses], text),
         }
+        p_values = np.array([one.p_value for one in self.responses], float)
+        columns["p_value"] = pyarrow.array(p_values, pyarrow.float64(), from_pandas=True)
         for title, column in zip(self.titles, values.T, strict=True):
             columns[encodable(title)] = pyarrow.array(column, pyarrow.float64(), from_pandas=True)
         content = BytesIO()

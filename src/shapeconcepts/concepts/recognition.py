@@ -25,11 +25,15 @@ class Recognition(NamedTuple):
     shares : (m, n_concepts) float64 or None
         Share of what each scan reminds of that the members of each concept have, 0 to 1; zeros where it
         reminds of nothing, and None where the stimuli are of motifs, which know no members.
+    p_values : (m,) float64 or None
+        Probability that a scan of something known would be as unlike all training scans, or more; see
+        `Novelty`. None where the ensemble is one of one's own.
     """
 
     concepts: NDArray[np.int64]
     responses: NDArray[np.float64]
     shares: NDArray[np.float64] | None
+    p_values: NDArray[np.float64] | None
 
 
 def concept_shares(

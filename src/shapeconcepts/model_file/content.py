@@ -156,6 +156,7 @@ def _check_prototypes(tensors: Tensors, n_objects: int) -> None:
         sums = tensors[name].sum(axis=1, dtype=np.float64)
         is_scaled = (np.abs(sums - 1) < tolerance) | (sums == 0)
         _require_all(name, is_scaled, sums, "rows of sum 1 or 0")
+    _check_range(tensors, "objects.distances", 0, 1)
     _check_range(tensors, "imagined.prototypes", 0, len(objects) - 1)
     _check_range(tensors, "prototypes.motifs", 0, len(levels) - 1)
     _require_all(

@@ -39,6 +39,8 @@ LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
     "prototypes.counts": ("int64", ("prototypes",)),
     "prototypes.others": ("int32", ("prototypes", N_OTHERS)),
     "objects.histograms": ("float16", ("objects", "bins")),
+    # To the nearest other object, as wholes.
+    "objects.distances": ("float64", ("objects",)),
     # What imagined occlusions leave of prototypes.
     "imagined.histograms": ("float16", ("imagined", "bins")),
     "imagined.prototypes": ("int32", ("imagined",)),

@@ -12,6 +12,7 @@ from scipy.sparse import csr_matrix
 from sklearn.base import clone
 
 from shapeconcepts.concepts import Concept, ConceptResponse, Filtration
+from shapeconcepts.concepts.novelty import Novelty
 from shapeconcepts.model_file.agreement import check_ensemble, check_filtration, check_response
 from shapeconcepts.model_file.container import read_container
 from shapeconcepts.model_file.content import check_content, check_description
@@ -83,6 +84,7 @@ def restore_state(tensors: Tensors, description: dict[str, Any]) -> ModelState:
         description["scan_names"],
         description["scan_labels"],
         skipped,
+        Novelty(ensemble.hierarchies_.object_histograms, tensors["objects.distances"]),
     )
 
 

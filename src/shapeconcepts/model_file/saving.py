@@ -70,6 +70,8 @@ def _description(state: ModelState) -> dict[str, Any]:
 
 
 def _tensors(state: ModelState) -> Tensors:
+    if state.novelty is None:
+        raise ModelError("a model with an ensemble of one's own cannot be saved")
     dictionary, hierarchies = state.ensemble.dictionary_, state.ensemble.hierarchies_
     space, concepts = state.filtration.space_, state.filtration.concepts_
     return {
@@ -89,6 +91,7 @@ def _tensors(state: ModelState) -> Tensors:
         "prototypes.counts": hierarchies.prototype_counts,
         "prototypes.others": hierarchies.prototype_others,
         "objects.histograms": hierarchies.object_histograms,
+        "objects.distances": state.novelty.distances,
         "imagined.histograms": state.ensemble.imagined_.histograms,
         "imagined.prototypes": state.ensemble.imagined_.prototypes,
         "stimuli.sources": state.ensemble.columns_,

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from scipy.sparse import csr_matrix
 
 from shapeconcepts.concepts import ConceptResponse, Filtration
+from shapeconcepts.concepts.novelty import Novelty
 from shapeconcepts.descriptors import Descriptor
 from shapeconcepts.motifs import MotifHierarchyEnsemble
 from shapeconcepts.segmentation import Segmenter
@@ -26,6 +27,8 @@ class ModelState(NamedTuple):
     scan_labels : list of (str or None)
     skipped : dict of int to str
         Scans that could not be used, with the reason.
+    novelty : Novelty or None
+        None where the ensemble is one of one's own.
     """
 
     segmenter: Segmenter
@@ -37,3 +40,4 @@ class ModelState(NamedTuple):
     scan_names: list[str]
     scan_labels: list[str | None]
     skipped: dict[int, str]
+    novelty: Novelty | None
