@@ -25,6 +25,8 @@ class Concept:
         Time at which it annexes or is annexed next; infinite where it is the last.
     name : str
         What the user calls it; empty until then.
+    key : int
+        Its identity in a model, which lives through updates; -1 until there is one.
     """
 
     members: NDArray[np.int64]
@@ -32,6 +34,7 @@ class Concept:
     birth: float
     death: float
     name: str = ""
+    key: int = -1
 
     @property
     def size(self) -> int:

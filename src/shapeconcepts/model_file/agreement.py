@@ -109,7 +109,8 @@ def _check_dictionary(ensemble: MotifHierarchyEnsemble) -> None:
         # Of most segments nothing is left to compare with.
         return
     constellations = known.prototype_constellations
-    segments = np.flatnonzero(constellations & (constellations - 1) == 0)
+    # Those that came after the words were learned have no part in them.
+    segments = np.flatnonzero(constellations & (constellations - 1) == 0)[: len(dictionary.clusters_)]
     words = dictionary.clusters_ + dictionary._level_starts[:-1]
     sums = np.zeros_like(dictionary._embedded_words)
     for start in range(0, len(segments), _AT_ONCE):

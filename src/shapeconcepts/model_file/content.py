@@ -39,6 +39,16 @@ def check_description(description: dict[str, Any], n_scans: int, n_concepts: int
         require(is_list, f"{field} must be a list of {length} names, got {_outline(values)}")
         for position, value in enumerate(values):
             require(isinstance(value, allowed), f"{field}[{position}] must be a string, got {value!r:.60}")
+    keys, n_identities = description["concept_keys"], description["n_identities"]
+    require(
+        type(n_identities) is int and n_identities >= 0,
+        f"n_identities must be a number of concepts, got {n_identities!r:.60}",
+    )
+    are_keys = isinstance(keys, list) and all(type(key) is int and 0 <= key < n_identities for key in keys)
+    require(
+        are_keys and len(keys) == n_concepts == len(set(keys)),
+        f"concept_keys must hold {n_concepts} different numbers below {n_identities}, got {keys!r:.60}",
+    )
     stages = description["stages"]
     require(isinstance(stages, dict), f"stages must be a JSON object, got {stages!r:.60}")
     check_names("stage", set(stages), STAGES)
@@ -181,8 +191,8 @@ def _check_prototypes(tensors: Tensors, n_objects: int) -> None:
     constellations, n_segments = tensors["prototypes.constellations"], len(tensors["dictionary.clusters"])
     n_single = int((constellations & (constellations - 1) == 0).sum())
     require(
-        n_single == n_segments or (is_thinned and n_single < n_segments),
-        f"tensor prototypes.constellations must hold {n_segments} segments, got {n_single}",
+        is_thinned or n_single >= n_segments,
+        f"tensor prototypes.constellations must hold at least {n_segments} segments, got {n_single}",
     )
 
 

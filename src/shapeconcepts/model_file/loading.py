@@ -17,6 +17,7 @@ from shapeconcepts.model_file.agreement import check_ensemble, check_filtration,
 from shapeconcepts.model_file.container import read_container
 from shapeconcepts.model_file.content import check_content, check_description
 from shapeconcepts.model_file.error import ModelError, require
+from shapeconcepts.model_file.history import read_history
 from shapeconcepts.model_file.layout import Tensors, widened
 from shapeconcepts.model_file.parameters import decode_descriptor, decode_stage
 from shapeconcepts.model_file.state import ModelState
@@ -85,6 +86,8 @@ def restore_state(tensors: Tensors, description: dict[str, Any]) -> ModelState:
         description["scan_labels"],
         skipped,
         Novelty(ensemble.hierarchies_.object_histograms, tensors["objects.distances"]),
+        description["n_identities"],
+        read_history(description["history"], n_scans, description["n_identities"]),
     )
 
 
@@ -157,13 +160,14 @@ def _fit_filtration(
     filtration.p_values_ = tensors["filtration.p_values"]
     filtration.labels_ = tensors["concepts.labels"]
     filtration.concepts_ = [
-        Concept(members, medoid, birth, death, name)
-        for members, medoid, birth, death, name in zip(
+        Concept(members, medoid, birth, death, name, key)
+        for members, medoid, birth, death, name, key in zip(
             _members(filtration.labels_, len(tensors["concepts.medoids"])),
             tensors["concepts.medoids"].tolist(),
             tensors["concepts.births"].tolist(),
             tensors["concepts.deaths"].tolist(),
             description["concept_names"],
+            description["concept_keys"],
             strict=True,
         )
     ]

@@ -61,6 +61,12 @@ def _description(state: ModelState) -> dict[str, Any]:
         "scan_labels": state.scan_labels,
         "skipped": sorted(state.skipped.items()),
         "concept_names": [concept.name for concept in state.filtration.concepts_],
+        "concept_keys": [concept.key for concept in state.filtration.concepts_],
+        "n_identities": state.n_identities,
+        "history": [
+            [update.n_before, update.n_after, [list(one) for one in update.changes], update.moved]
+            for update in state.history
+        ],
         "group_names": state.filtration._group_names(),
         "granularity": state.filtration.granularity_,
         "concept_time": state.filtration.concept_time_,

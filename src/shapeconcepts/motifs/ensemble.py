@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, vstack
-from sklearn.base import BaseEstimator, TransformerMixin
+from sklearn.base import BaseEstimator, TransformerMixin, clone
 from sklearn.utils._param_validation import HasMethods
 from sklearn.utils._set_output import _get_output_config
 from sklearn.utils.validation import check_is_fitted
@@ -22,6 +22,7 @@ from shapeconcepts.motifs.hierarchy import MotifHierarchies
 from shapeconcepts.motifs.imagined_prototypes import ImaginedPrototypes
 from shapeconcepts.motifs.propagation import DecomposedObject, decompose_object, propagate
 from shapeconcepts.motifs.prototype_stimuli import PrototypeField
+from shapeconcepts.motifs.remembered_objects import remembered_objects
 from shapeconcepts.motifs.stimuli import Activation, MotifField, SparseRow, compact_row, sparse_rows
 from shapeconcepts.motifs.thinning import Thinning
 from shapeconcepts.parallel import map_in_order
@@ -216,6 +217,25 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         if not objects:
             raise ValueError("X must hold at least one object, got none")
         return self._learn(objects, _decomposed(objects), self.dictionary_, self.hierarchies_, self.imagined_)
+
+    def with_new_dictionary(self) -> MotifHierarchyEnsemble:
+        """This ensemble with its own dictionary learned anew, from the segments of all objects that it saw.
+
+        Raises
+        ------
+        ValueError
+            If prototypes stand for others, of which nothing is left to learn from.
+        """
+        check_is_fitted(self, "hierarchies_")
+        known, other = self.hierarchies_, clone(self)
+        if known.is_thinned:
+            raise ValueError("a dictionary is learned from all segments, but most of them are forgotten")
+        decomposed = remembered_objects(known)
+        segments = np.concatenate([one.segment_histograms for one in decomposed])
+        dictionary = clone(self.dictionary_).fit(segments)
+        seen = MotifHierarchies.empty(len(dictionary.words_), self.n_features_in_)
+        seen = seen.with_objects(propagate(decomposed, dictionary), known.object_names)
+        return other._remember(dictionary, seen, self.imagined_)
 
     def transform(self, X: Iterable[DescribedObject]) -> csr_matrix:
         """Stimuli of objects; what was learned does not change.
