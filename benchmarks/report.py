@@ -78,6 +78,7 @@ def random_model(n: int) -> ShapeConceptModel:
     stimuli.eliminate_zeros()
     model = ShapeConceptModel()
     model.stimuli_, model.skipped_ = stimuli, {}
+    model.history_ = ()
     model.scan_names_ = [f"kind_{kind}/scan_{i:06}.pcd" for i, kind in enumerate(kinds)]
     model.scan_labels_ = [None if kind < 0 else f"kind_{kind % 12}" for kind in kinds]
     model.filtration_ = Filtration().fit(stimuli)

@@ -49,6 +49,7 @@ def model_of(
     n = len(stimuli)
     model.stimuli_ = csr_matrix(stimuli)
     model.skipped_ = skipped or {}
+    model.history_ = ()
     model.scan_names_ = list(names) if names is not None else [f"scans/scan_{i}.pcd" for i in range(n)]
     model.scan_labels_ = list(labels) if labels is not None else [None] * n
     with warnings.catch_warnings():

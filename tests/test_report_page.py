@@ -152,3 +152,21 @@ def test_the_page_tells_how_scans_were_read_where_not_by_default(tmp_path, optio
     result = CliRunner().invoke(app, [str(argument) for argument in [*command, *options]])
     assert result.exit_code == 0, result.output
     assert Page(tmp_path / "r.html").contents["reading"] == told
+
+
+def test_the_history_of_a_model_is_told():
+    from model_file_examples import described_objects, fitted_model
+    from shapeconcepts.report.html.history import history_contents
+
+    model = fitted_model()
+    assert history_contents(model) == {"scans": [], "concepts": []}
+    sizes = {concept.key: concept.size for concept in model.concepts_}
+    model.partial_fit(described_objects(8, seed=3)).consolidate()
+    model.partial_fit(described_objects(2, seed=4)).consolidate()
+    history = history_contents(model)
+    assert history["scans"] == [40, 72, 80]
+    for concept in history["concepts"]:
+        assert len(concept["sizes"]) == len(concept["events"]) == 3
+        assert concept["sizes"][0] == sizes.get(concept["key"], 0)
+    now = {concept["key"]: concept["sizes"][-1] for concept in history["concepts"]}
+    assert {key: size for key, size in now.items() if size} == {c.key: c.size for c in model.concepts_}

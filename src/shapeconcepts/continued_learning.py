@@ -94,7 +94,7 @@ class ContinuedLearning(Answers):
 
         labels, n_concepts = filtration.labels_, len(filtration.concepts_)
         n_old = len(before) - len(self._waiting)
-        identities = identities_after(before, labels, keys_before, n_concepts, self.n_identities_)
+        identities = identities_after(before[:n_old], labels, keys_before, n_concepts, self.n_identities_)
         for concept, key in zip(filtration.concepts_, identities.keys, strict=True):
             concept.key, concept.name = key, names.get(key, "")
         moved = _moved(before, labels, keys_before, identities.keys)

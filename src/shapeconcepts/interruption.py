@@ -6,7 +6,7 @@ import os
 import signal
 import socket
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import RLock, Thread
@@ -43,6 +43,26 @@ def end_at_signals() -> None:
         if signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, _leave_it_to_the_thread)
     Thread(target=_end_when_told, args=(told,), name="end at signals", daemon=True).start()
+
+
+@contextmanager
+def signals_awaited() -> Iterator[Callable[[], int]]:
+    """Within, SIGINT and SIGTERM end nothing: the first that came is told when asked for, 0 before.
+
+    For the main thread of a command that has something to save before it ends.
+    """
+    came: list[int] = []
+    wakeup = signal.set_wakeup_fd(-1)
+    before = {number: signal.getsignal(number) for number in _SIGNALS}
+    for number, handler in before.items():
+        if handler != signal.SIG_IGN:
+            signal.signal(number, lambda number, frame: came.append(number))
+    try:
+        yield lambda: came[0] if came else 0
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        signal.set_wakeup_fd(wakeup)
 
 
 def say_when_interrupted(message: str) -> None:

@@ -19,6 +19,7 @@ from shapeconcepts.cli.respond_command import respond
 from shapeconcepts.cli.segment_command import segment
 from shapeconcepts.cli.simulate_command import simulate
 from shapeconcepts.cli.terminal import fail_for_output, let_output_hold_any_text, say, tell
+from shapeconcepts.cli.watch_command import watch
 from shapeconcepts.interruption import INTERRUPTED, message_when_interrupted, say_when_interrupted
 from shapeconcepts.printable import printable
 from shapeconcepts.version import __version__
@@ -129,6 +130,13 @@ app.command(
         "shapeconcepts simulate scans --n-per-category 66 --categories box,can --random-state 7"
     )
 )(simulate)
+app.command(
+    epilog=(
+        "Examples:\n\n"
+        "shapeconcepts watch recordings/ --model m.safetensors\n\n"
+        "shapeconcepts watch recordings/ --model m.safetensors --once > answers.jsonl"
+    )
+)(watch)
 app.command()(doctor)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
@@ -9,7 +10,8 @@ import typer
 
 from shapeconcepts.cli.cluster_option import Cluster, on_cluster
 from shapeconcepts.cli.concept_summary import in_words, model_summary, other_cuts_in_words, print_concepts
-from shapeconcepts.cli.model_input import one_thread
+from shapeconcepts.cli.learning_on import new_ones, say_update
+from shapeconcepts.cli.model_input import one_thread, read_model
 from shapeconcepts.cli.object_reader import (
     ObjectReader,
     SimulatedObject,
@@ -69,10 +71,6 @@ class _Collection(NamedTuple):
 
 
 def learn(
-    model: Annotated[
-        Path,
-        typer.Option(metavar="MODEL", show_default=False, help="File to write the model to (.safetensors)."),
-    ],
     data: Annotated[
         list[Path] | None,
         typer.Argument(
@@ -80,6 +78,22 @@ def learn(
             show_default="66 simulated scans of each of seven categories",
             help="Files and folders of point clouds, depth images or meshes, one object each, or of labelled "
             "scenes. A sub-folder's name is the label of its scans; nothing is learned from labels.",
+        ),
+    ] = None,
+    model: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="MODEL",
+            show_default="that of --update",
+            help="File to write the model to (.safetensors).",
+        ),
+    ] = None,
+    update: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="MODEL",
+            help="Model that learns on from DATA, which are new scans: its concepts keep their identities "
+            "and names, whatever becomes of them.",
         ),
     ] = None,
     report: Annotated[
@@ -162,6 +176,9 @@ def learn(
     from shapeconcepts.segmentation import Segmenter
 
     check_jobs(jobs)
+    model = model or update
+    if model is None:
+        raise typer.BadParameter("say where to write the model", param_hint="--model")
     check_writable(model, "--model")
     if report is not None:
         check_writable(report, "--report")
@@ -187,17 +204,22 @@ def learn(
         sources = [
             one._replace(path=one.path.absolute()) if isinstance(one, tuple) else one for one in sources
         ]
-    learner = _learner(preset)
-    set_from_options(
-        learner,
-        {
-            "--min-size": ("filtration__min_concept_size", min_size),
-            "--descriptor": ("descriptor", descriptor),
-            "--levels": ("ensemble__dictionary__n_levels", levels),
-            "--granularity": ("filtration__granularity", granularity),
-            "--voxel-size": ("segmenter__voxel_size", voxel_size),
-        },
-    )
+    parameters: dict[str, tuple[str, object]] = {
+        "--min-size": ("filtration__min_concept_size", min_size),
+        "--descriptor": ("descriptor", descriptor),
+        "--levels": ("ensemble__dictionary__n_levels", levels),
+        "--granularity": ("filtration__granularity", granularity),
+        "--voxel-size": ("segmenter__voxel_size", voxel_size),
+    }
+    if update is not None:
+        given = [option for option, (_, value) in parameters.items() if value is not None]
+        given += ["--preset"] * (preset != "default")
+        if given:
+            raise typer.BadParameter("is for a new model: that of --update has its own", param_hint=given[0])
+        if not data:
+            raise typer.BadParameter("needs new scans", param_hint="--update")
+    learner = _learner(preset) if update is None else read_model(update)
+    set_from_options(learner, parameters)
     cache = None if no_cache else user_cache()
     reader = ObjectReader(
         reading=reading,
@@ -214,7 +236,10 @@ def learn(
     with one_thread(), on_cluster(cluster, jobs):
         collection = _collect(sources, reader, jobs, strict)
         with busy("Learning concepts"), warnings_said():
-            learner.fit(collection.described)
+            if update is None:
+                learner.fit(collection.described)
+            else:
+                collection = _learn_on(learner, collection)
         told = _told_by_the_report(
             {
                 "--intrinsics": (intrinsics, None),
@@ -234,6 +259,8 @@ def learn(
         tell_json({**paths, **model_summary(learner), "skipped": skipped})
     else:
         print_concepts(learner)
+    if update is not None and learner.history_:
+        say_update(learner, learner.history_[-1])
     say(f"Learned {in_words(learner)}")
     if others := other_cuts_in_words(learner):
         say(others)
@@ -248,6 +275,19 @@ def _learner(preset: str) -> ShapeConceptModel:
     from shapeconcepts.model import ShapeConceptModel
 
     return ShapeConceptModel.preset(preset)
+
+
+def _learn_on(learner: ShapeConceptModel, collection: _Collection) -> _Collection:
+    """Learn from the scans that the model does not know yet; what there is to show of all."""
+    is_new = new_ones(learner, collection.described)
+    known = [one.name for one, new in zip(collection.described, is_new, strict=True) if not new]
+    if known:
+        say(f"{len(known):,} of {len(is_new):,} scans are in the model already, such as {known[0]}")
+    if not any(is_new):
+        fail("none of the scans is new to the model")
+    previews: list[ScanPreview | None] = [None] * len(learner.scan_names_)
+    learner.partial_fit(itertools.compress(collection.described, is_new)).consolidate()
+    return collection._replace(previews=[*previews, *itertools.compress(collection.previews, is_new)])
 
 
 def _collect(

@@ -39,7 +39,13 @@ def read_model(path: Path) -> ShapeConceptModel:
 
 
 def object_reader(
-    model: ShapeConceptModel, reading: ReadOptions, scenes: bool | None, *, keep_segmented: bool = False
+    model: ShapeConceptModel,
+    reading: ReadOptions,
+    scenes: bool | None,
+    *,
+    keep_segmented: bool = False,
+    n_occlusions: int = 0,
+    make_preview: bool = False,
 ) -> ObjectReader:
     """Reads scans as a model wants them."""
     return ObjectReader(
@@ -48,4 +54,6 @@ def object_reader(
         descriptor=model.descriptor_,
         scenes=scenes,
         keep_segmented=keep_segmented,
+        n_occlusions=n_occlusions,
+        make_preview=make_preview,
     )

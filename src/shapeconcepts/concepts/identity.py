@@ -94,7 +94,7 @@ def identities_after(
     keys = []
     for new in range(n_after):
         keys.append(int(keys_before[match_of[new]]) if match_of[new] >= 0 else n_given)
-        n_given += match_of[new] < 0
+        n_given += int(match_of[new] < 0)
     return Identities(
         tuple(keys),
         n_given,

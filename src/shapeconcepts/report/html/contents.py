@@ -14,6 +14,7 @@ from shapeconcepts.concepts import Filtration
 from shapeconcepts.model import ShapeConceptModel
 from shapeconcepts.report.html.class_counts import class_counts
 from shapeconcepts.report.html.filtration_layout import lay_out_filtration
+from shapeconcepts.report.html.history import history_contents
 from shapeconcepts.report.html.ranking import RankedConcept, rank_concepts
 from shapeconcepts.report.html.scan_preview import ScanPreview
 from shapeconcepts.report.html.shown_scans import ShownScans, between_concepts, shown_scans
@@ -47,7 +48,7 @@ def report_contents(
         "title": title,
         "version": __version__,
         "reading": [[option, text] for option, text in reading.items()],
-        "parameters": [[name, _shown(value)] for name, value in model.get_params(deep=False).items()],
+        "parameters": [[name, _shown(value)] for name, value in _parameters(model)],
         "segmentColours": [_hexadecimal(c) for c in [*SEGMENT_COLOURS, NO_SEGMENT_COLOUR]],
         "labels": labels,
         "scans": _scans(model, shown, previews, labels),
@@ -55,6 +56,7 @@ def report_contents(
         "concepts": [_concept(model, one, shown, labels) for one in ranked],
         "filtration": _filtration(model.filtration_, shown),
         "groups": _groups(model, ranked, labels),
+        "history": history_contents(model),
         "skipped": [[model.scan_names_[i] or f"scan {i}", why] for i, why in sorted(model.skipped_.items())],
         "unread": [[str(file), str(reason)] for file, reason in unread],
     }
@@ -200,6 +202,11 @@ def _vertex_heat(filtration: Filtration, scale: TimeScale) -> NDArray[np.float64
     return (
         (positions - positions.min(initial=1)) / max(np.ptp(positions), 1e-9) if len(positions) else positions
     )
+
+
+def _parameters(model: ShapeConceptModel) -> list[tuple[str, object]]:
+    """All but how many jobs there were, which changes no result."""
+    return [(name, value) for name, value in model.get_params(deep=False).items() if name != "n_jobs"]
 
 
 def _shown(value: object) -> str:

@@ -30,6 +30,7 @@ _SCRIPTS = (
     "granularity",
     "glance",
     "galleries",
+    "history",
     "page",
 )
 

@@ -127,6 +127,7 @@ fillGlance(document.getElementById("glance"));
 fillHow(document.getElementById("how"));
 fillConcepts(document.getElementById("concepts"));
 fillOutside(document.getElementById("outside"));
+fillHistory(document.getElementById("history"));
 fillLeftOut(document.getElementById("left-out"));
 fillMade(document.getElementById("made"));
 followSelection(document.getElementById("selection"));

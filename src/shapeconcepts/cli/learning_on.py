@@ -1,0 +1,56 @@
+"""What an update changed, in words; and scans that a model knows already."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from shapeconcepts.cli.terminal import say
+
+if TYPE_CHECKING:
+    from shapeconcepts.concepts.identity import Change
+    from shapeconcepts.descriptors import DescribedObject
+    from shapeconcepts.model import ShapeConceptModel
+    from shapeconcepts.model_file.state import Update
+
+_MOVES_SHOWN = 5
+
+
+def say_update(model: ShapeConceptModel, update: Update) -> None:
+    """Say which concepts an update changed, and which scans are in another one now."""
+    say(f"{update.n_after - update.n_before:,} scans joined {update.n_before:,}:")
+    title_of = {concept.key: concept_key_title(concept.name, concept.key) for concept in model.concepts_}
+    for change in update.changes:
+        say(f"  {_in_words(change, title_of)}")
+    joined = [move for move in update.moved if move[0] < update.n_before]
+    for scan, before, after in joined[:_MOVES_SHOWN]:
+        source, target = (title_of.get(key, f"key {key}") if key >= 0 else "none" for key in (before, after))
+        say(f"  {model.scan_names_[scan] or f'scan {scan}'}: from {source} to {target}")
+    if len(joined) > _MOVES_SHOWN:
+        say(f"  {len(joined) - _MOVES_SHOWN:,} more of the scans known before are in another concept")
+
+
+def concept_key_title(name: str, key: int) -> str:
+    """What a concept is called where its number says nothing, as it changes."""
+    return f"{name} (key {key})" if name else f"concept with key {key}"
+
+
+def _in_words(change: Change, title_of: dict[int, str]) -> str:
+    title = title_of.get(change.key, f"concept with key {change.key}")
+    others = ", ".join(title_of.get(key, f"key {key}") for key in change.others)
+    return {
+        "born": f"{title} is born, of {change.n_after:,} scans",
+        "grown": f"{title}: {change.n_before:,} scans, now {change.n_after:,}",
+        "split": f"{title}: {change.n_before:,} scans, now {change.n_after:,}; split off: {others}",
+        "merged": f"{title}, of {change.n_before:,} scans, is a part of {others} now",
+        "dissolved": f"{title}, of {change.n_before:,} scans, is no more",
+    }[change.kind]
+
+
+def new_ones(model: ShapeConceptModel, described: list[DescribedObject]) -> list[bool]:
+    """Which objects are not known to a model: by name, and by what they look like as wholes."""
+    wholes = model.ensemble_.hierarchies_.object_histograms
+    names = [name for i, name in enumerate(model.scan_names_) if i not in model.skipped_]
+    known = {(name, whole.tobytes()) for name, whole in zip(names, wholes, strict=True)}
+    return [
+        (one.name, one.description.whole().astype(wholes.dtype).tobytes()) not in known for one in described
+    ]

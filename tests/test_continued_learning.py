@@ -1,0 +1,189 @@
+"""Learning that goes on: scans join or wait, concepts keep names and identities, and files keep it all."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from sklearn.metrics import adjusted_rand_score
+
+from model_file_examples import described_objects, differences, fitted_model, forge, refusal
+from shapeconcepts import Scan, ShapeConceptModel, datasets, describe, load_model, segment
+from shapeconcepts.io.write_pcd import write_pcd
+from test_cli_learn import run
+
+pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
+
+
+@pytest.fixture(scope="module")
+def simulated():
+    scans = datasets.simulate(n_per_category=24, random_state=1, categories=("ball", "plate", "teddy"))
+    return [describe(segment(scan), n_occlusions=1) for scan in np.random.default_rng(0).permutation(scans)]
+
+
+def test_in_parts_is_as_at_once(simulated):
+    at_once = ShapeConceptModel().fit(simulated)
+    in_parts, one_by_one = ShapeConceptModel(), ShapeConceptModel().fit(simulated[:12])
+    for part in np.array_split(np.arange(len(simulated)), 5):
+        in_parts.partial_fit([simulated[i] for i in part])
+    for one in simulated[12:]:
+        one_by_one.partial_fit([one])
+    for model in (in_parts, one_by_one):
+        assert len(model.labels_) == len(model.scan_names_) == model.stimuli_.shape[0] == len(simulated)
+        model.consolidate()
+        assert adjusted_rand_score(at_once.labels_, model.labels_) >= 0.9
+        assert model.scan_names_ == at_once.scan_names_
+        assert [update.n_after for update in model.history_][-1] == len(simulated)
+
+
+def test_a_scan_joins_its_concept_and_what_is_new_waits(simulated):
+    known = [one for one in simulated if one.label != "plate"]
+    plates = [one for one in simulated if one.label == "plate"]
+    model = ShapeConceptModel().fit(known[:40])
+    sizes = [concept.size for concept in model.concepts_]
+    expected = int(model.predict(known[40:41], unknown_rate=0.05)[0])
+    model.partial_fit(known[40:41])
+    assert model.labels_[40] == expected
+    assert len(model.labels_) == 41
+    if expected >= 0:
+        sizes[expected] += 1
+        assert 40 in model.concepts_[expected].members
+    assert [concept.size for concept in model.concepts_] == sizes
+    model.partial_fit(plates[:1])
+    assert model.labels_[41] == -1
+    assert 41 in model.pool_
+    assert model.history_ == ()
+    # Answers do not stop for that.
+    assert model.recognise(plates[1:3]).p_values.shape == (2,)
+    assert model.transform(plates[1:3]).shape == (2, len(model.concepts_))
+
+
+def test_a_kind_is_born_with_an_identity_of_its_own(simulated):
+    known = [one for one in simulated if one.label != "plate"]
+    plates = [one for one in simulated if one.label == "plate"]
+    model = ShapeConceptModel().fit(known)
+    keys = {concept.key for concept in model.concepts_}
+    for one in plates[:15]:
+        model.partial_fit([one])
+    is_plate = np.array([label == "plate" for label in model.scan_labels_])
+    born = [concept for concept in model.concepts_ if is_plate[concept.members].mean() > 0.5]
+    assert born
+    assert born[0].key not in keys
+    changes = [change for update in model.history_ for change in update.changes]
+    assert ("born", born[0].key) in {(change.kind, change.key) for change in changes}
+    # Whoever was there and is no more is accounted for.
+    ended = {change.key for change in changes if change.kind in ("merged", "dissolved")}
+    assert keys <= {concept.key for concept in model.concepts_} | ended
+
+
+def test_names_and_identities_live_through_updates_and_files(tmp_path):
+    model = fitted_model()
+    name_of = {concept.key: concept.name for concept in model.concepts_}
+    assert sorted(name_of) == list(range(len(name_of)))
+    model.partial_fit(described_objects(8, seed=3)).consolidate()
+    for concept in model.concepts_:
+        assert concept.name == name_of.get(concept.key, "")
+    assert len(model.history_) == 1
+    model.save(tmp_path / "model")
+    loaded = load_model(tmp_path / "model")
+    assert differences(model, loaded) == []
+    assert loaded.history_ == model.history_
+    more = described_objects(4, seed=4)
+    assert differences(model.partial_fit(more).consolidate(), loaded.partial_fit(more).consolidate()) == []
+
+
+def test_saving_looks_at_all_scans_first(tmp_path):
+    model = fitted_model()
+    model.partial_fit(described_objects(1, seed=3)[:2])
+    assert len(model.filtration_.labels_) < len(model.labels_)
+    model.save(tmp_path / "model")
+    assert len(load_model(tmp_path / "model").labels_) == len(model.filtration_.labels_) == 42
+
+
+def test_a_scan_that_cannot_be_described_is_skipped():
+    model = fitted_model()
+    with pytest.warns(UserWarning, match="1 of 2 scans are skipped"):
+        model.partial_fit([Scan(np.full((5, 3), np.nan), name="bad"), described_objects(1)[0]])
+    assert 40 in model.skipped_
+    model.consolidate()
+    assert model.labels_[40] == -1
+    assert len(model.labels_) == 42
+
+
+def test_the_first_call_is_fit():
+    objects = described_objects(6)
+    first, fitted = ShapeConceptModel().partial_fit(objects), ShapeConceptModel().fit(objects)
+    np.testing.assert_array_equal(first.labels_, fitted.labels_)
+    assert first.history_ == ()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda _, d: d.update(concept_keys=[0] * len(d["concept_keys"])), "concept_keys"),
+        (lambda _, d: d.update(n_identities=1), "concept_keys"),
+        (lambda _, d: d.update(n_identities="3"), "n_identities"),
+        (lambda _, d: d.update(history={}), "history must be a list"),
+        (lambda _, d: d.update(history=[[1, 2, []]]), "history must hold updates"),
+        (lambda _, d: d["history"][0].__setitem__(0, 99), "history must tell"),
+        (lambda _, d: d["history"][0].__setitem__(2, [["gone", 0, [], 1, 1]]), "history must hold changes"),
+        (lambda _, d: d["history"][0].__setitem__(2, [["born", 999, [], 1, 1]]), "history must hold changes"),
+        (lambda _, d: d["history"][0].__setitem__(3, [[999, 0, 0]]), "history must hold scans"),
+        (lambda _, d: d["history"][0].__setitem__(3, [[0, "0", 0]]), "history must hold scans"),
+        (lambda _, d: d["history"][0].__setitem__(3, [[0, -2, 0]]), "history must hold scans"),
+    ],
+)
+def test_forged_identities(tmp_path, change, message):
+    model = fitted_model()
+    model.partial_fit(described_objects(8, seed=3)).save(tmp_path / "sound")
+    assert message in refusal(forge(tmp_path / "sound", tmp_path / "forged", change))
+
+
+def write_scans(folder, n_per_category, seed, categories=("ball", "teddy")):
+    for scan in datasets.simulate(n_per_category, categories=categories, random_state=seed):
+        path = folder / str(scan.label) / f"{seed}_{scan.name}.pcd"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_pcd(path, scan)
+    return folder
+
+
+def test_learn_update(tmp_path):
+    old, new = write_scans(tmp_path / "old", 10, 1), write_scans(tmp_path / "new", 4, 2)
+    model, report = tmp_path / "m.safetensors", tmp_path / "report.html"
+    assert run("learn", old, "--model", model).exit_code == 0
+    assert run("info", model, "--name", "0=first").exit_code == 0
+    result = run("learn", "--update", model, new, "--report", report, "--json")
+    assert result.exit_code == 0, result.output
+    assert "8 scans joined 20" in result.stderr
+    assert json.loads(result.stdout)["n_scans"] == 28
+    learned = load_model(model)
+    assert len(learned.labels_) == 28
+    assert "first" in [concept.name for concept in learned.concepts_]
+    assert report.exists()
+    # The same again is nothing new; and another file can be written to.
+    again = run("learn", "--update", model, new)
+    assert again.exit_code == 1
+    assert "none of the scans is new" in " ".join(again.stderr.split())
+    newer = write_scans(tmp_path / "newer", 2, 3)
+    assert run("learn", "--update", model, newer, new, "--model", tmp_path / "other").exit_code == 0
+    assert len(load_model(tmp_path / "other").labels_) == 32
+    assert len(load_model(model).labels_) == 28
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--update", "m", "scans", "--preset", "paper"), "is for a new model"),
+        (("--update", "m", "scans", "--levels", "3"), "is for a new model"),
+        (("--update", "m"), "needs new scans"),
+        (("scans",), "say where to write the model"),
+    ],
+)
+def test_update_options_that_do_not_fit(tmp_path, monkeypatch, arguments, message):
+    monkeypatch.chdir(tmp_path)
+    write_scans(tmp_path / "scans", 1, 1)
+    (tmp_path / "m").write_bytes(b"")
+    result = run("learn", *arguments)
+    assert result.exit_code == 2
+    assert message in " ".join(result.output.replace("│", " ").split())
