@@ -128,3 +128,19 @@ def test_kills_lose_nothing_and_count_nothing_twice(model, tmp_path):
     assert run("watch", folder, "--model", model, "--once").exit_code == 0
     names = load_model(model).scan_names_[16:]
     assert sorted(names) == sorted(f"scan_{number}.pcd" for number in range(16))
+
+
+def test_other_scans_of_the_same_names_are_other_scans(model, tmp_path):
+    folders = tmp_path / "day1", tmp_path / "day2"
+    for day, folder in enumerate(folders):
+        folder.mkdir()
+        for number in range(3):
+            scan = datasets.simulate_scan(("ball", "teddy")[number % 2], 10 * day + number, random_state=5)
+            write_pcd(folder / f"{number}.pcd", scan)
+    for folder in folders:
+        assert len(answers(run("watch", folder, "--model", model, "--once").stdout)) == 3
+    # And a file that is replaced.
+    (folders[0] / "0.pcd").write_bytes((folders[1] / "1.pcd").read_bytes())
+    assert len(answers(run("watch", folders[0], "--model", model, "--once").stdout)) == 1
+    assert run("watch", folders[1], "--model", model, "--once").stdout == ""
+    assert len(load_model(model).labels_) == 16 + 7

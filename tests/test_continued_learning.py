@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 
 import numpy as np
@@ -9,8 +10,21 @@ import pytest
 from sklearn.metrics import adjusted_rand_score
 
 from model_file_examples import described_objects, differences, fitted_model, forge, refusal
-from shapeconcepts import Scan, ShapeConceptModel, datasets, describe, load_model, segment
+from shapeconcepts import (
+    DescribedObject,
+    Filtration,
+    Scan,
+    ShapeConceptModel,
+    datasets,
+    describe,
+    load_model,
+    segment,
+)
+from shapeconcepts.cli.learning_on import is_new, known_scans
+from shapeconcepts.descriptors import Description
+from shapeconcepts.descriptors.registry import get_descriptor
 from shapeconcepts.io.write_pcd import write_pcd
+from shapeconcepts.report.html import write_report
 from test_cli_learn import run
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
@@ -187,3 +201,108 @@ def test_update_options_that_do_not_fit(tmp_path, monkeypatch, arguments, messag
     result = run("learn", *arguments)
     assert result.exit_code == 2
     assert message in " ".join(result.output.replace("│", " ").split())
+
+
+def test_other_cuts_and_copies_do_not_see_scans_that_come_later():
+    model = fitted_model()
+    other = model.at_granularity(0.9)
+    other.partial_fit(described_objects(1, seed=3)[:3])
+    for one in (model, copy.copy(model)):
+        assert max(concept.members.max() for concept in one.concepts_) < len(one.labels_) == 40
+
+
+def test_cuts_of_one_tree_share_no_identities_of_different_groups(tmp_path):
+    model = fitted_model()
+    groups: dict[int, bytes] = {}
+    for granularity in (0.02, 0.99, 0.02, 0.3):
+        cut = model.at_granularity(granularity)
+        for concept in cut.concepts_:
+            assert groups.setdefault(concept.key, concept.members.tobytes()) == concept.members.tobytes()
+        cut.save(tmp_path / "cut")
+        load_model(tmp_path / "cut")
+
+
+def test_names_of_other_groups_are_carried_over():
+    model = fitted_model()
+    for group in range(len(model.concept_tree_.parents)):
+        [concept] = model.filtration_._concepts_of([group])
+        concept.name = concept.name or f"group of {concept.size}"
+    before = {name for _, name in model.filtration_._group_names()}
+    assert before
+    model.partial_fit(described_objects(2, seed=3)).consolidate()
+    after = {name for _, name in model.filtration_._group_names()}
+    assert after and after <= before
+
+
+def test_what_looks_at_all_scans_does_so_with_scans_that_wait(tmp_path):
+    for look in (
+        lambda model: model.transform_tree(),
+        lambda model: write_report(tmp_path / "r.html", model, [None] * len(model.labels_)),
+        lambda model: model.concepts_at(0.2),
+        lambda model: model.at_granularity(0.2),
+    ):
+        model = fitted_model()
+        model.partial_fit(described_objects(1, seed=3)[:2])
+        look(model)
+        assert len(model.filtration_.labels_) == 42
+
+
+def test_an_update_that_fails_leaves_the_model_as_it_was(monkeypatch):
+    model = fitted_model()
+
+    def fail(*_):
+        raise MemoryError
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Filtration, "fit", fail)
+        with pytest.raises(MemoryError):
+            model.partial_fit(described_objects(8, seed=3))
+    assert len(model.labels_) == model.stimuli_.shape[0] == len(model.scan_names_) == 40
+    assert len(model.partial_fit(described_objects(8, seed=3)).labels_) == 72
+
+
+def test_stages_of_ones_own_are_refused_before_anything_joins():
+    class OwnFiltration(Filtration):
+        pass
+
+    class OwnEnsemble:
+        def fit(self, X):
+            return self
+
+    model = fitted_model()
+    model.filtration_.__class__ = OwnFiltration
+    model.partial_fit(described_objects(1, seed=3)[:1])
+    model.ensemble_ = OwnEnsemble()
+    with pytest.raises(ValueError, match="learning on needs a MotifHierarchyEnsemble"):
+        model.partial_fit(described_objects(1, seed=3)[:1])
+    assert len(model.labels_) == 41
+
+
+def test_later_kinds_find_room_however_many_prototypes_there_are():
+    objects = described_objects(10)
+    kinds = [[one for i, one in enumerate(objects) if i % 4 == kind] for kind in range(4)]
+    model = ShapeConceptModel().set_params(ensemble__max_columns=8).fit([*kinds[0], *kinds[1]])
+    n = len(model.ensemble_.columns_)
+    model.partial_fit([*kinds[2], *kinds[3]]).consolidate()
+    assert len(model.ensemble_.columns_) > n
+
+
+def test_where_all_are_far_apart_more_than_a_sample_is_kept(tmp_path):
+    model = ShapeConceptModel(descriptor="distance").set_params(ensemble__max_columns=8)
+    n_bins = get_descriptor("distance").n_bins
+    padded = [
+        DescribedObject(Description(np.eye(n_bins)[[number]]), name=str(number))
+        for number in range(min(12, n_bins))
+    ]
+    model.fit(padded).save(tmp_path / "model")
+    assert not model.ensemble_.hierarchies_.is_thinned
+    names = model.ensemble_.get_feature_names_out().tolist()
+    loaded = load_model(tmp_path / "model").partial_fit(padded[:3]).consolidate()
+    assert loaded.ensemble_.get_feature_names_out()[: len(names)].tolist() == names
+
+
+def test_the_same_scan_twice_is_new_once():
+    model = fitted_model()
+    known, [new] = known_scans(model), described_objects(1, seed=5)[:1]
+    assert [is_new(new, known), is_new(new, known)] == [True, False]
+    assert not is_new(described_objects(10)[3], known)

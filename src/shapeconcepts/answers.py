@@ -44,6 +44,10 @@ class Answers(TransformerMixin):
     history_: tuple[Update, ...]
     concepts_: list[Concept]
 
+    def consolidate(self) -> Any:
+        """Let what is known tell of all scans."""
+        raise NotImplementedError
+
     def stimuli(self, X: Iterable[object]) -> csr_matrix:
         """Stimuli of scans: what the responses are computed from.
 
@@ -110,6 +114,7 @@ class Answers(TransformerMixin):
         """
         check_is_fitted(self, "response_")
         check_integer("n_groups", n_groups, 1)
+        self.consolidate()
         tree = self.filtration_.group_tree().coarsest(n_groups)
         members = self.response_.prototype_rows_
         described = None if X is None else self._described(X)
@@ -149,6 +154,7 @@ class Answers(TransformerMixin):
         unknown_rate : float or None
             Share of scans of something known that may be called unknown, 0 to 1: those with a p-value up to
             it. It holds for scans like those in training, not where more is hidden, or noise is stronger.
+            A scan that reminds only of training scans in no concept is in none, too, whatever its p-value.
             None: a scan is unknown where it is farther from every training scan than any of these from its
             neighbours, which promises nothing.
 

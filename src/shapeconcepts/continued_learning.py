@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from sklearn.base import clone
 from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.answers import Answers
+from shapeconcepts.concepts import Filtration
 from shapeconcepts.concepts.identity import identities_after
 from shapeconcepts.concepts.novelty import Novelty
 from shapeconcepts.descriptors import DescribedObject, describe_scans, scans_in
@@ -32,6 +34,8 @@ _SURPRISE = 0.01
 _GROWTH = 0.1
 # Words are learned again when there are so many times the segments that they were learned from.
 _TIMES_THE_WORDS = 2
+# Share of the members that two groups share, of those of both.
+_ALIKE = 0.4
 
 
 class ContinuedLearning(Answers):
@@ -39,15 +43,28 @@ class ContinuedLearning(Answers):
 
     _waiting: list[DescribedScan]
     _is_novel: list[bool]
+    _learned_rows: csr_matrix
+    _waiting_rows: list[csr_matrix]
 
-    def partial_fit(self, X: Iterable[object], y: object = None) -> Any:
+    def partial_fit(self, X: Iterable[object], y: object = None, *, unknown_rate: float = NOVEL_RATE) -> Any:
         """Learn from more scans; nothing that is known is forgotten, and no concept gets another identity.
 
         A new scan joins the concept that it is recognised as, or waits in none where it is like nothing
         known. When a tenth more scans have come, or more wait than chance explains, the space is filtered
         again, see `consolidate`: concepts are born, split and merge then. The first call is `fit`.
 
-        Parameters, errors and warnings are those of `fit`, but for the dictionary, which stays as it is.
+        Parameters, errors and warnings are those of `fit`, and more:
+
+        Parameters
+        ----------
+        X : iterable
+        unknown_rate : float
+            A scan waits if its p-value is so small, see `recognise`.
+
+        Raises
+        ------
+        ValueError
+            If ensemble or filtration is one of one's own.
 
         Returns
         -------
@@ -56,14 +73,26 @@ class ContinuedLearning(Answers):
         """
         if not hasattr(self, "response_"):
             return self.fit(X)
-        n_occlusions = getattr(self.ensemble_, "n_occlusions", 0)
-        scans = scans_in(X)
+        stages = self.ensemble_, self.filtration_
+        if not isinstance(stages[0], MotifHierarchyEnsemble) or not isinstance(stages[1], Filtration):
+            raise ValueError(
+                "learning on needs a MotifHierarchyEnsemble and a Filtration, "
+                f"got {type(stages[0]).__name__} and {type(stages[1]).__name__}"
+            )
+        scans, n_occlusions = scans_in(X), self.ensemble_.n_occlusions
         results = describe_scans(scans, self.segmenter_, self.descriptor_, self.n_jobs, n_occlusions)
         if not results:
             raise ValueError("X must hold at least one scan, got none")
-        self._join(results)
-        if self._is_due():
-            self.consolidate()
+        before = dict(self.__dict__)
+        try:
+            self._join(results, unknown_rate)
+            if self._is_due(unknown_rate):
+                self.consolidate()
+        except BaseException:
+            # Whoever tries again is not to find the scans there already.
+            self.__dict__.clear()
+            self.__dict__.update(before)
+            raise
         return self
 
     def consolidate(self) -> Any:
@@ -97,6 +126,7 @@ class ContinuedLearning(Answers):
         identities = identities_after(before[:n_old], labels, keys_before, n_concepts, self.n_identities_)
         for concept, key in zip(filtration.concepts_, identities.keys, strict=True):
             concept.key, concept.name = key, names.get(key, "")
+        _carry_names_of_groups(self.filtration_, filtration)
         moved = _moved(before, labels, keys_before, identities.keys)
         update = Update(n_old, len(labels), identities.changes, moved)
         return self._remember(
@@ -112,7 +142,7 @@ class ContinuedLearning(Answers):
                 self.skipped_,
                 novelty,
                 identities.n_given,
-                (*self.history_, update),
+                (*(earlier._replace(moved=()) for earlier in self.history_), update),
             )
         )
 
@@ -122,20 +152,23 @@ class ContinuedLearning(Answers):
         n_old = len(self.labels_) - len(self._waiting)
         return n_old + np.flatnonzero(self._is_novel)
 
-    def _join(self, results: list[DescribedScan]) -> None:
+    def _join(self, results: list[DescribedScan], unknown_rate: float) -> None:
         described: list[DescribedObject | None] = [one.described for one in results]
         usable = [one for one in described if one]
-        recognition = self.recognise(usable, NOVEL_RATE if self._can_promise else None) if usable else None
+        rate = unknown_rate if self.novelty_.smallest_rate <= unknown_rate else None
+        recognition = self.recognise(usable, rate) if usable else None
         concepts = np.full(len(results), -1, np.int32)
         is_described = np.array([one is not None for one in described])
         if recognition is not None:
             concepts[is_described] = recognition.concepts
         n_known = len(self.labels_)
-        for number, concept in enumerate(self.concepts_):
-            own = n_known + np.flatnonzero(concepts == number)
-            concept.members = np.concatenate([concept.members, own])
-        rows = self._rows(described, self.ensemble_.transform)
-        self.stimuli_ = csr_matrix(vstack([self.stimuli_, rows]))
+        # Other cuts of the tree have these concepts, too, and not these scans.
+        joining = [n_known + np.flatnonzero(concepts == number) for number in range(len(self.concepts_))]
+        self.concepts_ = [
+            replace(concept, members=np.concatenate([concept.members, own]))
+            for concept, own in zip(self.concepts_, joining, strict=True)
+        ]
+        self._waiting_rows = [*self._waiting_rows, self._rows(described, self.ensemble_.transform)]
         self.labels_ = np.concatenate([self.labels_, concepts])
         self.scan_names_ = [*self.scan_names_, *(one.name for one in results)]
         self.scan_labels_ = [*self.scan_labels_, *(one.label for one in results)]
@@ -145,15 +178,24 @@ class ContinuedLearning(Answers):
         self._is_novel = [*self._is_novel, *((concepts < 0) & is_described).tolist()]
 
     @property
-    def _can_promise(self) -> bool:
-        return self.novelty_ is not None and self.novelty_.smallest_rate <= NOVEL_RATE
+    def stimuli_(self) -> csr_matrix:
+        """Of all scans, those that came later included."""
+        if self._waiting_rows:
+            # Only now: one by one, each would copy all that came before.
+            self._learned_rows = csr_matrix(vstack([self._learned_rows, *self._waiting_rows]))
+            self._waiting_rows = []
+        return self._learned_rows
 
-    def _is_due(self) -> bool:
+    @stimuli_.setter
+    def stimuli_(self, rows: csr_matrix) -> None:
+        self._learned_rows, self._waiting_rows = rows, []
+
+    def _is_due(self, unknown_rate: float) -> bool:
         n_waiting, n_novel = len(self._waiting), sum(self._is_novel)
         if n_waiting >= _GROWTH * (len(self.labels_) - n_waiting):
             return True
         return n_novel >= self.filtration_.min_concept_size and bool(
-            binom.sf(n_novel - 1, n_waiting, NOVEL_RATE) < _SURPRISE
+            binom.sf(n_novel - 1, n_waiting, unknown_rate) < _SURPRISE
         )
 
 
@@ -168,6 +210,23 @@ def _with_its_dictionary_renewed(ensemble: MotifHierarchyEnsemble) -> MotifHiera
         ensemble.with_new_dictionary()
         if n_segments >= _TIMES_THE_WORDS * len(ensemble.dictionary_.clusters_)
         else ensemble
+    )
+
+
+def _carry_names_of_groups(before: Filtration, after: Filtration) -> None:
+    """Names of groups that are no concepts of the present cut, to the groups that are most like them."""
+    if before.concept_tree_ is None or after.concept_tree_ is None:
+        return
+    members_after = [after.concept_tree_.members(group) for group in range(len(after.concept_tree_.parents))]
+    named: dict[int, str] = {}
+    for group, name in before._group_names():
+        members = before.concept_tree_.members(group)
+        shared = [len(np.intersect1d(members, one)) / len(np.union1d(members, one)) for one in members_after]
+        if shared and max(shared) > _ALIKE:
+            named.setdefault(int(np.argmax(shared)), name)
+    taken = {id(concept) for concept in after.concepts_ if concept.name}
+    after._name_groups(
+        [[group, name] for group, name in named.items() if id(after._concepts_of([group])[0]) not in taken]
     )
 
 

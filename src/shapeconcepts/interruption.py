@@ -49,14 +49,20 @@ def end_at_signals() -> None:
 def signals_awaited() -> Iterator[Callable[[], int]]:
     """Within, SIGINT and SIGTERM end nothing: the first that came is told when asked for, 0 before.
 
-    For the main thread of a command that has something to save before it ends.
+    For the main thread of a command that has something to save before it ends. A second one ends it at once.
     """
     came: list[int] = []
+
+    def note(number: int, frame: object) -> None:
+        if came:
+            os._exit(128 + number)
+        came.append(number)
+
     wakeup = signal.set_wakeup_fd(-1)
     before = {number: signal.getsignal(number) for number in _SIGNALS}
     for number, handler in before.items():
         if handler != signal.SIG_IGN:
-            signal.signal(number, lambda number, frame: came.append(number))
+            signal.signal(number, note)
     try:
         yield lambda: came[0] if came else 0
     finally:

@@ -262,9 +262,13 @@ class ShapeConceptModel(ContinuedLearning, StagesMixin, ClusterMixin, BaseEstima
         self.concept_tree_: ConceptTree | None = state.filtration.concept_tree_
         self.labels_: NDArray[np.int32] = state.filtration.labels_.copy()
         self.n_features_in_ = 3
+        # Counted by the filtration, whose other cuts give identities, too.
+        counter: list[int] = state.filtration.__dict__.setdefault("_n_identities", [0])
+        counter[0] = max(counter[0], state.n_identities, *(concept.key + 1 for concept in self.concepts_), 0)
         for concept in self.concepts_:
             if concept.key < 0:
-                concept.key, self.n_identities_ = self.n_identities_, self.n_identities_ + 1
+                concept.key, counter[0] = counter[0], counter[0] + 1
+        self.n_identities_ = counter[0]
         self._waiting, self._is_novel = [], []
         return self
 

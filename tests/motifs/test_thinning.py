@@ -28,7 +28,8 @@ def thinned_slowly(histograms: np.ndarray, n_known: int, n_most: int) -> tuple[l
     new: list[int] = []
     for one in by_draw:
         is_far = all(squared_hellinger(histograms[one], histograms[k]) > NEW for k in known + new)
-        if one not in known and is_far and len(new) + len(known) < 2 * n_most:
+        room = max(2 * n_most - len(known), n_most // 4)
+        if one not in known and is_far and len(new) < room:
             new.append(one)
     kept = sorted(known + new)
     return kept, [min(squared_hellinger(h, histograms[k]) for k in kept) for h in histograms]

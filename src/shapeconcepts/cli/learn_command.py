@@ -10,7 +10,7 @@ import typer
 
 from shapeconcepts.cli.cluster_option import Cluster, on_cluster
 from shapeconcepts.cli.concept_summary import in_words, model_summary, other_cuts_in_words, print_concepts
-from shapeconcepts.cli.learning_on import new_ones, say_update
+from shapeconcepts.cli.learning_on import is_new, known_scans, say_update
 from shapeconcepts.cli.model_input import one_thread, read_model
 from shapeconcepts.cli.object_reader import (
     ObjectReader,
@@ -279,15 +279,16 @@ def _learner(preset: str) -> ShapeConceptModel:
 
 def _learn_on(learner: ShapeConceptModel, collection: _Collection) -> _Collection:
     """Learn from the scans that the model does not know yet; what there is to show of all."""
-    is_new = new_ones(learner, collection.described)
-    known = [one.name for one, new in zip(collection.described, is_new, strict=True) if not new]
-    if known:
-        say(f"{len(known):,} of {len(is_new):,} scans are in the model already, such as {known[0]}")
-    if not any(is_new):
+    known = known_scans(learner)
+    are_new = [is_new(one, known) for one in collection.described]
+    old = [one.name for one, new in zip(collection.described, are_new, strict=True) if not new]
+    if old:
+        say(f"{len(old):,} of {len(are_new):,} scans are in the model already, such as {old[0]}")
+    if not any(are_new):
         fail("none of the scans is new to the model")
     previews: list[ScanPreview | None] = [None] * len(learner.scan_names_)
-    learner.partial_fit(itertools.compress(collection.described, is_new)).consolidate()
-    return collection._replace(previews=[*previews, *itertools.compress(collection.previews, is_new)])
+    learner.partial_fit(itertools.compress(collection.described, are_new)).consolidate()
+    return collection._replace(previews=[*previews, *itertools.compress(collection.previews, are_new)])
 
 
 def _collect(

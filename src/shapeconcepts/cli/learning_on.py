@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from shapeconcepts.cli.terminal import say
 
 if TYPE_CHECKING:
@@ -46,11 +48,20 @@ def _in_words(change: Change, title_of: dict[int, str]) -> str:
     }[change.kind]
 
 
-def new_ones(model: ShapeConceptModel, described: list[DescribedObject]) -> list[bool]:
-    """Which objects are not known to a model: by name, and by what they look like as wholes."""
+Known = set[tuple[str, bytes]]
+
+
+def known_scans(model: ShapeConceptModel) -> Known:
+    """What a model knows: each object by its name, and by what it looks like as a whole."""
     wholes = model.ensemble_.hierarchies_.object_histograms
     names = [name for i, name in enumerate(model.scan_names_) if i not in model.skipped_]
-    known = {(name, whole.tobytes()) for name, whole in zip(names, wholes, strict=True)}
-    return [
-        (one.name, one.description.whole().astype(wholes.dtype).tobytes()) not in known for one in described
-    ]
+    return {(name, whole.tobytes()) for name, whole in zip(names, wholes, strict=True)}
+
+
+def is_new(described: DescribedObject, known: Known) -> bool:
+    """Whether an object is not known; from now on it is."""
+    key = described.name, described.description.whole().astype(np.float16).tobytes()
+    if key in known:
+        return False
+    known.add(key)
+    return True

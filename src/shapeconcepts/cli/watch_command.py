@@ -6,17 +6,19 @@ import json
 import os
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from shapeconcepts.cli.concept_summary import concept_title
-from shapeconcepts.cli.learning_on import say_update
+from shapeconcepts.cli.learning_on import Known, is_new, known_scans, say_update
 from shapeconcepts.cli.model_input import object_reader, one_thread, read_model
 from shapeconcepts.cli.object_reader import ObjectReader
 from shapeconcepts.cli.options import DepthScale, Intrinsics, Mask, Scenes, Units, Up, read_options
 from shapeconcepts.cli.terminal import check_writable, fail, say, tell
+from shapeconcepts.cli.user_caches import descriptions_beside, user_cache
 from shapeconcepts.printable import encodable
 
 if TYPE_CHECKING:
@@ -47,7 +49,8 @@ def watch(
         float, typer.Option(metavar="SECONDS", min=0.01, help="Time between two looks into the folder.")
     ] = 0.5,
     save_every: Annotated[
-        int, typer.Option(metavar="N", min=1, help="Save the model after so many scans, and at the end.")
+        int,
+        typer.Option(metavar="N", min=1, help="Save after so many scans, or a tenth more, and at the end."),
     ] = 50,
     once: Annotated[
         bool, typer.Option("--once", help="End when the scans that are there are answered.")
@@ -63,23 +66,30 @@ def watch(
 
     A file is read when it has not changed between two looks, so a writer may take its time; best is to move
     it into the folder when it is whole. Each line says the scan, its concept by name and by the key that it
-    keeps, the p-value, whether the scan is novel, and the responses; or why a file cannot be used. A file
-    counts once, by its name: what the model knows already is not read again, so `watch` goes on where it
-    was, however it ended. It ends at Ctrl-C or SIGTERM, and saves the model before.
+    keeps, the p-value, whether the scan is novel, and the responses; or why a file cannot be used. A scan
+    counts once: what the model knows already, by name and content, is passed over, so `watch` goes on where
+    it was, however it ended. It ends at Ctrl-C or SIGTERM, and saves the model before; at a second one, at
+    once.
     """
     from shapeconcepts.interruption import signals_awaited
 
     check_writable(model, "--model")
     reading = read_options(intrinsics, depth_scale, mask, units, up)
     learned = read_model(model)
-    reader = object_reader(learned, reading, scenes, n_occlusions=learned.ensemble_.n_occlusions)
+    known, cache = known_scans(learned), user_cache()
+    reader = replace(
+        object_reader(learned, reading, scenes, n_occlusions=learned.ensemble_.n_occlusions),
+        cache=cache,
+        descriptions=descriptions_beside(cache),
+    )
     n_saved = len(learned.scan_names_)
     say(f"Watching {folder}; {n_saved:,} scans are known")
     with one_thread(), signals_awaited() as told:
-        for file in _finished_files(folder, set(learned.scan_names_), every, once, told):
-            for line in _answers(learned, reader, file, unknown_rate):
+        for file in _finished_files(folder, every, once, told):
+            for line in _answers(learned, reader, file, unknown_rate, known):
                 tell(json.dumps(line, allow_nan=False))
-            if len(learned.scan_names_) >= n_saved + save_every:
+            # Saving takes as long as filtering all scans.
+            if len(learned.scan_names_) >= n_saved + max(save_every, n_saved // 10):
                 n_saved = _save(learned, model)
         if len(learned.scan_names_) > n_saved:
             _save(learned, model)
@@ -89,14 +99,12 @@ def watch(
         raise typer.Exit(128 + number)
 
 
-def _finished_files(folder: Path, known: set[str], every: float, once: bool, told: Any) -> Iterator[ScanFile]:
-    """Files that are not known by their names, each when it has not changed between two looks; until told."""
+def _finished_files(folder: Path, every: float, once: bool, told: Any) -> Iterator[ScanFile]:
+    """Each file when it has not changed between two looks, and again when it has after that; until told."""
     looked: dict[Path, _Look] = {}
     done: dict[Path, _Look] = {}
     while not told():
-        present = {
-            file.path: (file, _look(file.path)) for file in _files_in(folder) if file.name not in known
-        }
+        present = {file.path: (file, _look(file.path)) for file in _files_in(folder)}
         finished = [
             file
             for path, (file, look) in present.items()
@@ -138,28 +146,26 @@ def _look(path: Path) -> _Look | None:
 
 
 def _answers(
-    model: ShapeConceptModel, reader: ObjectReader, file: ScanFile, unknown_rate: float
+    model: ShapeConceptModel, reader: ObjectReader, file: ScanFile, unknown_rate: float, known: Known
 ) -> Iterator[dict[str, Any]]:
     for one in reader(file):
         if one.described is None:
             yield {"scan": encodable(one.name), "error": one.reason}
             continue
-        if one.described.name in model.scan_names_:
-            # Of a scene, some objects of which had been answered.
+        if not is_new(one.described, known):
             continue
         yield _answer(model, one.described, unknown_rate)
         n_updates = len(model.history_)
-        model.partial_fit([one.described])
+        model.partial_fit([one.described], unknown_rate=unknown_rate)
         if len(model.history_) > n_updates:
             say_update(model, model.history_[-1])
 
 
 def _answer(model: ShapeConceptModel, described: DescribedObject, unknown_rate: float) -> dict[str, Any]:
-    recognition = model.recognise([described])
+    can_promise = model.novelty_.smallest_rate <= unknown_rate
+    recognition = model.recognise([described], unknown_rate if can_promise else None)
     assert recognition.p_values is not None
     concept, p_value = int(recognition.concepts[0]), float(recognition.p_values[0])
-    is_novel = p_value <= unknown_rate
-    concept = -1 if is_novel else concept
     titles, responses = model.get_feature_names_out().tolist(), recognition.responses[0].tolist()
     return {
         "scan": encodable(described.name),
@@ -167,7 +173,7 @@ def _answer(model: ShapeConceptModel, described: DescribedObject, unknown_rate: 
         "key": model.concepts_[concept].key if concept >= 0 else -1,
         "concept": concept_title(model, concept),
         "p_value": p_value,
-        "novel": is_novel,
+        "novel": p_value <= unknown_rate,
         "responses": {
             title: None if value != value else value for title, value in zip(titles, responses, strict=True)
         },
@@ -175,11 +181,15 @@ def _answer(model: ShapeConceptModel, described: DescribedObject, unknown_rate: 
 
 
 def _save(model: ShapeConceptModel, path: Path) -> int:
+    from shapeconcepts.model_file import ModelError
+
     n_updates = len(model.history_)
     try:
         model.save(path)
     except OSError as error:
         fail(f"cannot write {path}: {error.strerror or error}")
+    except ModelError as error:
+        fail(str(error))
     for update in model.history_[n_updates:]:
         say_update(model, update)
     return len(model.scan_names_)

@@ -289,7 +289,7 @@ class Filtration(ClusterMixin, BaseEstimator):
         other._take_concepts()
         return other
 
-    def _group_names(self) -> list[list[object]]:
+    def _group_names(self) -> list[list[Any]]:
         """Groups of the tree that have a name, but for the present concepts, each with its name."""
         present = {id(concept) for concept in self.concepts_}
         return sorted(

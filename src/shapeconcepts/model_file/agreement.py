@@ -12,8 +12,10 @@ from scipy.sparse import csr_matrix
 from shapeconcepts.concepts import ConceptResponse, Filtration
 from shapeconcepts.descriptors import Descriptor
 from shapeconcepts.descriptors.registry import get_descriptor
-from shapeconcepts.model_file.error import require
-from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary
+from shapeconcepts.model_file.error import ModelError, require
+from shapeconcepts.motifs import MotifHierarchies, MotifHierarchyEnsemble, SegmentDictionary
+from shapeconcepts.motifs.decomposition import decompose
+from shapeconcepts.motifs.remembered_objects import remembered_objects
 
 # What float32 loses of a histogram, and with it of a word.
 _WORD_TOLERANCE = 1e-5
@@ -64,11 +66,13 @@ def check_ensemble(
         f"ensemble.n_occlusions is {ensemble.n_occlusions}, tensor imagined.prototypes names one prototype "
         f"{per_prototype} times",
     )
+    if not known.is_thinned:
+        _check_constellations(known)
     object_of_row = np.cumsum(~np.isin(np.arange(stimuli.shape[0]), skipped)) - 1
     if ensemble.columns == "prototypes":
         n_all = len(known.prototypes)
         require(
-            known.is_thinned or n_all <= ensemble.max_columns,
+            known.is_thinned or n_all <= 2 * ensemble.max_columns,
             f"tensor prototypes.counts must say that {n_all} prototypes stand for more, as "
             f"ensemble.max_columns is {ensemble.max_columns}",
         )
@@ -94,6 +98,18 @@ def check_ensemble(
         n_own > 0 or ensemble.leave_own_out or ensemble.columns == "motifs" or len(is_own) == 0,
         "ensemble.leave_own_out is false, no entry of tensor stimuli.columns is of a scan's own",
     )
+
+
+def _check_constellations(known: MotifHierarchies) -> None:
+    """Of each object, those that its segments and pairs of neighbours make."""
+    try:
+        are_whole = all(
+            np.array_equal(decompose(one.segment_edges, one.n_segments)[0], one.constellations)
+            for one in remembered_objects(known)
+        )
+    except ValueError as error:
+        raise ModelError(f"tensor prototypes.constellations must hold those of segments: {error}") from None
+    require(are_whole, "tensor prototypes.constellations must hold all of each object's, in their order")
 
 
 def _check_dictionary(ensemble: MotifHierarchyEnsemble) -> None:

@@ -24,7 +24,8 @@ class Update(NamedTuple):
     changes : tuple of Change
         Concepts that were born, grew, split, merged or dissolved.
     moved : tuple of (int, int, int)
-        Scans that are in a concept of another identity than before, with both identities; -1 is none.
+        Scans that are in a concept of another identity than before, with both identities; -1 is none. Of the
+        last update only.
     """
 
     n_before: int

@@ -391,15 +391,17 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         propagations = propagate(decomposed, dictionary)
         seen = before.with_objects(propagations, [one.name for one in decomposed])
         n_all, n_occlusions, resolution = len(seen.prototypes), self.n_occlusions, float(self.resolution)
-        if self.columns == "motifs" or (n_all <= self.max_columns and not before.is_thinned):
+        # Where all were far apart, there may be more than a sample, each of which stands for itself.
+        is_known = before.is_thinned or len(before.prototypes) > self.max_columns
+        if self.columns == "motifs" or (n_all <= self.max_columns and not is_known):
             imagined = imagined.with_objects(objects, seen, np.arange(n_all), n_occlusions, resolution)
             return self._remember(dictionary, seen, imagined)
-        known_rows = self.stimuli_ if before.is_thinned else None
-        n_known = len(before.prototypes) if before.is_thinned else 0
+        known_rows = self.stimuli_ if is_known else None
+        n_known = len(before.prototypes) if is_known else 0
         thinning = Thinning.of(seen.prototypes, n_known, self.max_columns, resolution, self.n_jobs)
         imagined = imagined.with_objects(objects, seen, thinning.kept, n_occlusions, resolution)
         self._remember(dictionary, thinning.applied(seen), imagined)
-        rows = self._training_rows(seen, before.n_objects if before.is_thinned else 0)
+        rows = self._training_rows(seen, before.n_objects if is_known else 0)
         if known_rows is not None:
             # What they could remind of of what is new is next to nothing.
             wider = csr_matrix(

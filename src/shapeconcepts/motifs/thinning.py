@@ -16,6 +16,8 @@ from shapeconcepts.parallel import libraries_in_one_thread, map_in_order
 # Times the resolution. Beyond one, noise alone makes a few in a hundred constellations new, beyond two a few
 # in a thousand, and there is still much of what a new kind shows.
 _NEW = 2.0
+# However many there are, a later kind finds room: a part of the sample.
+_ALWAYS_NEW = 4
 # Fixed, as the rounding of a matrix product depends on how many rows there are.
 _AT_ONCE = 4096
 
@@ -58,8 +60,9 @@ class Thinning(NamedTuple):
         n_known : int
             How many of the first are known.
         n_most : int
-            Size of the sample, and most new ones beside a sample: half of all that can be kept. Beyond these,
-            the nearest stands for what is new.
+            Size of the sample, and most new ones beside a sample. Beside known ones, so many that there are
+            twice as many in all, and in any case a quarter of it. Beyond these, the nearest stands for what
+            is new.
         resolution : float
             Squared Hellinger distance.
         n_jobs : int or None
@@ -67,12 +70,13 @@ class Thinning(NamedTuple):
         """
         by_draw = np.argsort(draws(histograms), kind="stable")
         known = np.arange(n_known) if n_known else np.sort(by_draw[:n_most])
+        n_new = max(2 * n_most - len(known), n_most // _ALWAYS_NEW)
         with libraries_in_one_thread():
             behind, divergences = _nearest(histograms, histograms, known, n_jobs)
             is_new = divergences > _NEW * resolution
             is_new[known] = False
             far = by_draw[is_new[by_draw]]
-            new = _apart(histograms, far, _NEW * resolution, max(2 * n_most - len(known), 0))
+            new = _apart(histograms, far, _NEW * resolution, n_new)
             if len(new):
                 nearest, to_new = _nearest(histograms[far], histograms, new, n_jobs)
                 behind[far] = np.where(to_new < divergences[far], nearest, behind[far])

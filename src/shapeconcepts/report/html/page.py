@@ -71,6 +71,7 @@ def write_report(
     OSError
         If the file cannot be written.
     """
+    model.consolidate()
     if len(previews) != len(model.scan_names_):
         raise ValueError(
             f"previews must hold one for each of the {len(model.scan_names_)} training scans, "
