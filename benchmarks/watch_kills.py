@@ -3,7 +3,7 @@
     python benchmarks/watch_kills.py [--kills N] [--scans N]
 
 A model of 24 simulated scans watches a folder into which others are moved, one after the other. It is killed
-by SIGKILL at random moments, 0 to 4 s after its start, and started again; after each kill the model is
+by SIGKILL at random moments, 0 to 9 s after its start, and started again; after each kill the model is
 loaded. In the end every scan is to be in it once.
 """
 
@@ -25,7 +25,7 @@ from shapeconcepts import ShapeConceptModel, datasets, load_model
 from shapeconcepts.io.write_pcd import write_pcd
 from shapeconcepts.simulation.categories import CATEGORIES
 
-SECONDS = 4.0
+SECONDS = 9.0
 
 
 def write_scans(folder: Path, n_scans: int, seconds: float) -> None:
@@ -74,7 +74,7 @@ def main() -> None:
         writer.start()
         grown = []
         for _ in range(options.kills):
-            process = watch(folder, model, "--save-every", "5")
+            process = watch(folder, model, "--save-every", "2")
             time.sleep(rng.uniform(0, SECONDS))
             os.kill(process.pid, signal.SIGKILL)
             process.wait()
