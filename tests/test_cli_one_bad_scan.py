@@ -122,11 +122,11 @@ def test_a_report_of_all_but_one(folder: Path, tmp_path: Path, monkeypatch: pyte
 def test_a_response_that_fails_is_told_from_the_others(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     recognise = ShapeConceptModel.recognise
 
-    def fails(model: ShapeConceptModel, objects: object) -> object:
+    def fails(model: ShapeConceptModel, objects: object, unknown_rate: float | None) -> object:
         known = list(objects)  # type: ignore[call-overload]
         if any(one.name == BAD for one in known):
             raise MemoryError
-        return recognise(model, known)
+        return recognise(model, known, unknown_rate)
 
     monkeypatch.setattr(ShapeConceptModel, "recognise", fails)
     result = run("respond", folder / "m", folder / "scans", "--format", "csv", "--jobs", 1)
