@@ -27,7 +27,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from common import SHARED_DATA, command, print_table, scans_in, simulated_scans
-from shapeconcepts import Filtration, ShapeConceptModel, load_model, segment
+from shapeconcepts import ConceptResponse, Filtration, ShapeConceptModel, load_model, segment
 from shapeconcepts.report.html import preview, write_report
 
 SETS = ("osd_learn", "seven_shapes", "restaurant_views")
@@ -78,7 +78,8 @@ def random_model(n: int) -> ShapeConceptModel:
     stimuli.eliminate_zeros()
     model = ShapeConceptModel()
     model.stimuli_, model.skipped_ = stimuli, {}
-    model.history_ = ()
+    model.history_, model.response_ = (), ConceptResponse()
+    model._waiting = []
     model.scan_names_ = [f"kind_{kind}/scan_{i:06}.pcd" for i, kind in enumerate(kinds)]
     model.scan_labels_ = [None if kind < 0 else f"kind_{kind % 12}" for kind in kinds]
     model.filtration_ = Filtration().fit(stimuli)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from shapeconcepts import Filtration, ShapeConceptModel
+from shapeconcepts import ConceptResponse, Filtration, ShapeConceptModel
 from shapeconcepts.segmentation import SegmentedObject
 
 # What files may be called.
@@ -49,7 +49,8 @@ def model_of(
     n = len(stimuli)
     model.stimuli_ = csr_matrix(stimuli)
     model.skipped_ = skipped or {}
-    model.history_ = ()
+    model.history_, model.response_ = (), ConceptResponse()
+    model._waiting = []
     model.scan_names_ = list(names) if names is not None else [f"scans/scan_{i}.pcd" for i in range(n)]
     model.scan_labels_ = list(labels) if labels is not None else [None] * n
     with warnings.catch_warnings():
