@@ -2,12 +2,14 @@
 
     python benchmarks/scale.py make [--scans N] [--seed SEED] [--folder FOLDER] [--jobs N]
     python benchmarks/scale.py fit [--scans N ...] [--seed SEED] [--folder FOLDER] [--jobs N]
+    python benchmarks/scale.py update [--scans N] [--seed SEED] [--folder FOLDER] [--jobs N]
     python benchmarks/scale.py cluster [--scans N] [--seed SEED] [--folder FOLDER]
 
 `make` describes simulated scans of the seven categories in turn, with imagined occlusions, and keeps them in
 files of 500; what is there already is not made again. `fit` learns from the first so many, each number in a
 process of its own: seconds, peak memory, prototypes, size of the model file, concepts with their scores by
 labels, and the time of a response to a new scan, from points, reading included, in one thread.
+`update` learns from the first so many, and then from 40 more, one by one: median and largest time of each.
 `cluster` learns from the first so many with two joblib jobs, with two Dask workers on this machine, and with
 two of which one is killed: seconds, what was sent, and whether the models are the same. It needs the extra
 `cluster`.
@@ -55,6 +57,7 @@ from shapeconcepts.sources import read_scan
 SIZES = (350, 4_200, 14_000)
 AT_ONCE = 500
 N_NEW = 20
+N_UPDATES = 40
 NEW_SEED = 999
 
 
@@ -137,6 +140,21 @@ def fit(folder: Path, seed: int, n_scans: int, jobs: int) -> dict[str, float]:
     }
 
 
+def update(folder: Path, seed: int, n_scans: int, jobs: int) -> list[str]:
+    """Milliseconds of updates by one scan, from its description."""
+    warnings.simplefilter("ignore")
+    objects = list(stored(folder, seed, n_scans + N_UPDATES))
+    model = ShapeConceptModel(n_jobs=jobs).fit(objects[:n_scans])
+    # What is computed when it is first asked for is there.
+    model.recognise(objects[:1])
+    times = []
+    for one in objects[n_scans:]:
+        start = time.perf_counter()
+        model.partial_fit([one])
+        times.append(1000 * (time.perf_counter() - start))
+    return [f"{n_scans:,}", f"{np.median(times):.0f}", f"{max(times):.0f}"]
+
+
 def on_cluster(folder: Path, seed: int, n_scans: int) -> list[list[str]]:
     """Two Dask workers beside two joblib jobs, and one of them killed on the way."""
     from distributed import Client, LocalCluster
@@ -202,7 +220,9 @@ def _peak() -> int:
 
 def main() -> None:
     parser = command(__doc__)
-    parser.add_argument("action", choices=("make", "fit", "cluster", "one"), metavar="make | fit | cluster")
+    parser.add_argument(
+        "action", choices=("make", "fit", "update", "cluster", "one"), metavar="make | fit | update | cluster"
+    )
     parser.add_argument("--scans", nargs="+", type=int, default=SIZES, metavar="N")
     parser.add_argument("--seed", type=int, default=100)
     parser.add_argument("--folder", type=Path, default=Path(gettempdir()) / "shapeconcepts_scale")
@@ -213,6 +233,10 @@ def main() -> None:
         return
     if options.action == "one":
         print(json.dumps(fit(options.folder, options.seed, options.scans[0], options.jobs)))
+        return
+    if options.action == "update":
+        row = update(options.folder, options.seed, options.scans[-1], options.jobs)
+        print_table(("scans", "update, ms", "largest"), [row])
         return
     if options.action == "cluster":
         n_scans = options.scans[-1]

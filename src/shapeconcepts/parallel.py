@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Sized
 from contextlib import contextmanager
 from functools import partial
-from itertools import islice
+from itertools import chain, islice
 from multiprocessing import resource_tracker
 from threading import RLock
 from typing import TypeVar
@@ -72,6 +72,13 @@ def map_in_order(
         most = MOST_AT_ONCE * (_TIMES_FURTHER if client else 1)
         at_once = min(max(len(items) // (_CHUNKS_PER_JOB * n_jobs), 1), most)
     remaining = iter(items)
+    if not own_process:
+        # One alone is done before jobs have started.
+        first = list(islice(remaining, 2))
+        if len(first) < 2:
+            yield from map(work, first)
+            return
+        remaining = chain(first, remaining)
     chunks = iter(lambda: list(islice(remaining, at_once)), [])
     if client:
         for results in map_on_cluster(client, partial(_work_on, work), chunks):
