@@ -107,7 +107,7 @@ def other_cuts_in_words(model: ShapeConceptModel) -> str:
         return ""
     # Just beyond each place where the cut changes.
     changes = [round(1.01 * change, 3) for change in tree.granularities.tolist()]
-    of_number = {len(model.concepts_at(g)): g for g in reversed(changes) if g <= 1}
+    of_number = {len(tree.cut(g)): g for g in reversed(changes) if g <= 1}
     cuts = sorted(of_number.items())
     coarser = [f"{n} at {g:g}" for n, g in cuts if 1 < n < len(model.concepts_)]
     finer = [f"{n} at {g:g}" for n, g in cuts if n > len(model.concepts_)]
