@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import re
 
 import numpy as np
 import pytest
@@ -175,6 +176,18 @@ def test_learn_update(tmp_path):
     assert len(learned.labels_) == 28
     assert "first" in [concept.name for concept in learned.concepts_]
     assert report.exists()
+    # Scans that are known count once, and are shown.
+    newest = write_scans(tmp_path / "newest", 1, 4)
+    for path in [*old.rglob("*.pcd"), *newest.rglob("*.pcd")]:
+        target = tmp_path / "all" / path.relative_to(path.parents[1])
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(path.read_bytes())
+    options = ("--model", tmp_path / "shown", "--report", report)
+    assert "20 of 22 scans" in run("learn", "--update", model, tmp_path / "all", *options).stderr
+    embedded = re.search(r'id="contents">(.*?)</script>', report.read_text("utf-8"), re.S)
+    assert embedded
+    previews = json.loads(embedded[1])["scans"]["previews"]
+    assert [one is not None for one in previews] == [True] * 20 + [False] * 8 + [True] * 2
     # The same again is nothing new; and another file can be written to.
     again = run("learn", "--update", model, new)
     assert again.exit_code == 1

@@ -10,7 +10,7 @@ import typer
 
 from shapeconcepts.cli.cluster_option import Cluster, on_cluster
 from shapeconcepts.cli.concept_summary import in_words, model_summary, other_cuts_in_words, print_concepts
-from shapeconcepts.cli.learning_on import is_new, known_scans, say_update
+from shapeconcepts.cli.learning_on import is_new, known_as, known_scans, say_update
 from shapeconcepts.cli.model_input import one_thread, read_model
 from shapeconcepts.cli.object_reader import (
     ObjectReader,
@@ -93,7 +93,8 @@ def learn(
         typer.Option(
             metavar="MODEL",
             help="Model that learns on from DATA, which are new scans: its concepts keep their identities "
-            "and names, whatever becomes of them.",
+            "and names, whatever becomes of them. Scans that it knows may be among them: they count once, "
+            "and the report shows them.",
         ),
     ] = None,
     report: Annotated[
@@ -287,6 +288,9 @@ def _learn_on(learner: ShapeConceptModel, collection: _Collection) -> _Collectio
     if not any(are_new):
         fail("none of the scans is new to the model")
     previews: list[ScanPreview | None] = [None] * len(learner.scan_names_)
+    for one, preview in zip(collection.described, collection.previews, strict=True):
+        if (row := known[known_as(one)]) >= 0:
+            previews[row] = preview
     learner.partial_fit(itertools.compress(collection.described, are_new)).consolidate()
     return collection._replace(previews=[*previews, *itertools.compress(collection.previews, are_new)])
 

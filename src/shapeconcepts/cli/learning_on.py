@@ -48,20 +48,26 @@ def _in_words(change: Change, title_of: dict[int, str]) -> str:
     }[change.kind]
 
 
-Known = set[tuple[str, bytes]]
+# Row of each scan in the model, by its name and what it looks like as a whole; -1 for one that comes now.
+Known = dict[tuple[str, bytes], int]
 
 
 def known_scans(model: ShapeConceptModel) -> Known:
-    """What a model knows: each object by its name, and by what it looks like as a whole."""
+    """What a model knows."""
     wholes = model.ensemble_.hierarchies_.object_histograms
-    names = [name for i, name in enumerate(model.scan_names_) if i not in model.skipped_]
-    return {(name, whole.tobytes()) for name, whole in zip(names, wholes, strict=True)}
+    rows = [row for row in range(len(model.scan_names_)) if row not in model.skipped_]
+    return {(model.scan_names_[row], whole.tobytes()): row for row, whole in zip(rows, wholes, strict=True)}
+
+
+def known_as(described: DescribedObject) -> tuple[str, bytes]:
+    """By what a model knows an object."""
+    return described.name, described.description.whole().astype(np.float16).tobytes()
 
 
 def is_new(described: DescribedObject, known: Known) -> bool:
     """Whether an object is not known; from now on it is."""
-    key = described.name, described.description.whole().astype(np.float16).tobytes()
+    key = known_as(described)
     if key in known:
         return False
-    known.add(key)
+    known[key] = -1
     return True

@@ -21,7 +21,7 @@ function fillHistory(section) {
     ...counts.map((_, at) => historyCell(concept, at, largest))));
   section.append(
     element("h2", { textContent: "How it grew" }),
-    element("p", { textContent: `The model has learned on ${plural(counts.length - 1, "time")} here. Each line is a concept by the key that it keeps, `
+    element("p", { textContent: `The model has learned on ${counts.length === 2 ? "once" : `${counts.length - 1} times`} here. Each line is a concept by the key that it keeps, `
       + "each column the number of scans after an update; bars are how many of them the concept had." }),
     element("div", { className: "card history" }, element("table", {}, element("tr", {}, element("th", {}), ...head), ...rows)));
 }
