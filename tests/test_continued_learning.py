@@ -155,6 +155,17 @@ def test_forged_identities(tmp_path, change, message):
     assert message in refusal(forge(tmp_path / "sound", tmp_path / "forged", change))
 
 
+@pytest.mark.parametrize("forged", [(1 << 9) | 1, (1 << 7) | (1 << 12)])
+def test_forged_constellations(tmp_path, forged):
+    fitted_model().save(tmp_path / "sound")
+
+    def change(tensors, _):
+        constellations = tensors["prototypes.constellations"]
+        constellations[np.flatnonzero(constellations == 3)[0]] = forged
+
+    assert "prototypes.constellations" in refusal(forge(tmp_path / "sound", tmp_path / "forged", change))
+
+
 def write_scans(folder, n_per_category, seed, categories=("ball", "teddy")):
     for scan in datasets.simulate(n_per_category, categories=categories, random_state=seed):
         path = folder / str(scan.label) / f"{seed}_{scan.name}.pcd"

@@ -12,10 +12,8 @@ from scipy.sparse import csr_matrix
 from shapeconcepts.concepts import ConceptResponse, Filtration
 from shapeconcepts.descriptors import Descriptor
 from shapeconcepts.descriptors.registry import get_descriptor
-from shapeconcepts.model_file.error import ModelError, require
+from shapeconcepts.model_file.error import require
 from shapeconcepts.motifs import MotifHierarchies, MotifHierarchyEnsemble, SegmentDictionary
-from shapeconcepts.motifs.decomposition import decompose
-from shapeconcepts.motifs.remembered_objects import remembered_objects
 
 # What float32 loses of a histogram, and with it of a word.
 _WORD_TOLERANCE = 1e-5
@@ -101,15 +99,17 @@ def check_ensemble(
 
 
 def _check_constellations(known: MotifHierarchies) -> None:
-    """Of each object, those that its segments and pairs of neighbours make."""
-    try:
-        are_whole = all(
-            np.array_equal(decompose(one.segment_edges, one.n_segments)[0], one.constellations)
-            for one in remembered_objects(known)
-        )
-    except ValueError as error:
-        raise ModelError(f"tensor prototypes.constellations must hold those of segments: {error}") from None
-    require(are_whole, "tensor prototypes.constellations must hold all of each object's, in their order")
+    """Of each object, segments without a gap, and no constellation of others."""
+    constellations, objects = known.prototype_constellations, known.prototype_objects
+    starts = np.flatnonzero(np.diff(objects, prepend=-1))
+    segments = np.where(constellations & (constellations - 1) == 0, constellations, 0)
+    own, named = (np.bitwise_or.reduceat(values, starts) for values in (segments, constellations))
+    are_whole = (own == named) & (own & (own + 1) == 0)
+    require(
+        bool(are_whole.all()),
+        "tensor prototypes.constellations must hold those of each object's own segments, "
+        f"{int((~are_whole).sum())} objects have others",
+    )
 
 
 def _check_dictionary(ensemble: MotifHierarchyEnsemble) -> None:

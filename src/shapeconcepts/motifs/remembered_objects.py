@@ -16,6 +16,11 @@ def remembered_objects(hierarchies: MotifHierarchies) -> list[DecomposedObject]:
     ----------
     hierarchies : MotifHierarchies
         No prototype may stand for others: those are forgotten.
+
+    Raises
+    ------
+    ValueError
+        If an object has other constellations than its segments make.
     """
     numbers = np.arange(hierarchies.n_objects + 1)
     starts = np.searchsorted(hierarchies.prototype_objects, numbers)
@@ -27,10 +32,15 @@ def remembered_objects(hierarchies: MotifHierarchies) -> list[DecomposedObject]:
         n_segments = sum(len(one) == 1 for one in segments)
         # Two neighbours are a constellation, and no other two segments are.
         edges = np.array([one for one in segments if len(one) == 2], np.int32).reshape(-1, 2)
+        decomposition = decompose(edges, n_segments)
+        if not np.array_equal(decomposition.constellations, constellations):
+            raise ValueError(
+                f"{name or f'object {number}'}: its constellations are not those of its segments"
+            )
         objects.append(
             DecomposedObject(
                 constellations,
-                decompose(edges, n_segments).motif_levels,
+                decomposition.motif_levels,
                 hierarchies.prototypes[own].astype(np.float64),
                 edges,
                 hierarchies.object_histograms[number].astype(np.float64),
