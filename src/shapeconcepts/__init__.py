@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from shapeconcepts.model_file import ModelError
     from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary, decompose
     from shapeconcepts.scan import Scan, ScanError, ScanWarning
+    from shapeconcepts.scene import Scene
     from shapeconcepts.segmentation import SegmentedObject, Segmenter, segment
     from shapeconcepts.sources import read_scan, read_scans
     from shapeconcepts.topology import TopologicalSpace
@@ -45,6 +46,7 @@ __all__ = [
     "Scan",
     "ScanError",
     "ScanWarning",
+    "Scene",
     "SegmentDictionary",
     "SegmentedObject",
     "Segmenter",
@@ -83,6 +85,7 @@ _NAMES_IN = {
     "model_file": ("ModelError",),
     "motifs": ("MotifHierarchyEnsemble", "SegmentDictionary", "decompose"),
     "scan": ("Scan", "ScanError", "ScanWarning"),
+    "scene": ("Scene",),
     "segmentation": ("SegmentedObject", "Segmenter", "segment"),
     "sources": ("read_scan", "read_scans"),
     "topology": ("TopologicalSpace",),

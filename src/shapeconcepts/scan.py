@@ -104,6 +104,15 @@ def whole_numbers(values: ArrayLike) -> NDArray[np.int64]:
     return labels.astype(np.int64)
 
 
+def float_array(title: str, field: str, value: object) -> NDArray[np.float64]:
+    """A copy of an array-like as float64; ScanError, with title and field, where it holds no numbers."""
+    try:
+        # A copy: the caller may go on with the array.
+        return np.array(value, dtype=np.float64, order="C")
+    except (TypeError, ValueError) as error:
+        raise ScanError(f"{title}: {field} must be numbers ({error})") from None
+
+
 @dataclass(frozen=True, eq=False)
 class Scan:
     """A single-view point cloud of an object.
@@ -142,12 +151,12 @@ class Scan:
     notices: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        points = self._as_array("points", self.points, np.float64)
+        points = float_array(self._title(), "points", self.points)
         if points.ndim != 2 or points.shape[1] != 3:
             raise ScanError(f"{self._title()}: points must have shape (n, 3), got {points.shape}")
         object.__setattr__(self, "points", points)
         if self.viewpoint is not None:
-            viewpoint = self._as_array("viewpoint", self.viewpoint, np.float64)
+            viewpoint = float_array(self._title(), "viewpoint", self.viewpoint)
             if viewpoint.shape != (3,) or not np.isfinite(viewpoint).all():
                 raise ScanError(
                     f"{self._title()}: viewpoint must be 3 finite numbers, got {self.viewpoint!r}"
@@ -167,13 +176,6 @@ class Scan:
 
     def _title(self) -> str:
         return self.name or "scan"
-
-    def _as_array(self, field: str, value: object, dtype: type) -> NDArray:
-        try:
-            # A copy: the caller may go on with the array.
-            return np.array(value, dtype=dtype, order="C")
-        except (TypeError, ValueError) as error:
-            raise ScanError(f"{self._title()}: {field} must be numbers ({error})") from None
 
     def __len__(self) -> int:
         return len(self.points)
