@@ -4,15 +4,19 @@
     python benchmarks/scale.py fit [--scans N ...] [--seed SEED] [--folder FOLDER] [--jobs N]
     python benchmarks/scale.py update [--scans N] [--seed SEED] [--folder FOLDER] [--jobs N]
     python benchmarks/scale.py cluster [--scans N] [--seed SEED] [--folder FOLDER]
+    python benchmarks/scale.py exact [--scans N ...] [--seed SEED] [--folder FOLDER] [--jobs N]
 
 `make` describes simulated scans of the seven categories in turn, with imagined occlusions, and keeps them in
 files of 500; what is there already is not made again. `fit` learns from the first so many, each number in a
 process of its own: seconds, peak memory, prototypes, size of the model file, concepts with their scores by
-labels, and the time of a response to a new scan, from points, reading included, in one thread.
+labels, and the time of a response to a new scan, from points, reading included, in one thread; and the seconds
+that fast_hdbscan takes for histograms of the whole objects and, up to 14,000 scans, scikit-learn's HDBSCAN.
 `update` learns from the first so many, and then from 40 more, one by one: median and largest time of each.
 `cluster` learns from the first so many with two joblib jobs, with two Dask workers on this machine, and with
 two of which one is killed: seconds, what was sent, and whether the models are the same. It needs the extra
-`cluster`.
+`cluster`. `exact` learns as usual and in the exact way, with every prototype and each object in the tree:
+concepts with their scores by labels, and the adjusted Rand index of both; also where both are cut at the same
+granularity, that of the exact way.
 """
 
 import os
@@ -34,9 +38,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
 from threading import Timer
 
+import fast_hdbscan
 import joblib
 import numpy as np
 import psutil
+from sklearn.cluster import HDBSCAN
+from sklearn.metrics import adjusted_rand_score
 
 from common import command, print_table
 from shapeconcepts import (
@@ -59,6 +66,11 @@ AT_ONCE = 500
 N_NEW = 20
 N_UPDATES = 40
 NEW_SEED = 999
+RIVALS = ("fast_hdbscan", "HDBSCAN")
+RIVAL_SIZE = 10
+MOST_FOR_HDBSCAN = 14_000
+# More than there are of anything.
+ALL = 2**24
 
 
 def object_number(number: int, seed: int) -> DescribedObject | None:
@@ -118,6 +130,7 @@ def fit(folder: Path, seed: int, n_scans: int, jobs: int) -> dict[str, float]:
     seconds = time.perf_counter() - start
     peak = _peak()
     scores = grouping_scores(model.labels_, np.array([one.label for one in objects]))
+    rivals = _rival_seconds(np.stack([one.description.whole() for one in objects]))
     del objects
     with TemporaryDirectory() as place:
         path = Path(place) / "model"
@@ -137,7 +150,24 @@ def fit(folder: Path, seed: int, n_scans: int, jobs: int) -> dict[str, float]:
         "concepts": len(model.concepts_),
         "explained": scores.explained,
         "information": scores.adjusted_mutual_information,
+        **rivals,
     }
+
+
+def _rival_seconds(rows: np.ndarray) -> dict[str, float]:
+    """Seconds of HDBSCAN, by two libraries, for histograms (n, b), under the Hellinger distance."""
+    rows = np.sqrt(rows).astype(np.float32)
+    found = dict.fromkeys(RIVALS, np.nan)
+    # What fast_hdbscan compiles, it compiles before.
+    fast_hdbscan.HDBSCAN(min_cluster_size=RIVAL_SIZE).fit(rows[:500])
+    start = time.perf_counter()
+    fast_hdbscan.HDBSCAN(min_cluster_size=RIVAL_SIZE).fit(rows)
+    found["fast_hdbscan"] = time.perf_counter() - start
+    if len(rows) <= MOST_FOR_HDBSCAN:
+        start = time.perf_counter()
+        HDBSCAN(min_cluster_size=RIVAL_SIZE, n_jobs=2, copy=True).fit(rows)
+        found["HDBSCAN"] = time.perf_counter() - start
+    return found
 
 
 def update(folder: Path, seed: int, n_scans: int, jobs: int) -> list[str]:
@@ -153,6 +183,27 @@ def update(folder: Path, seed: int, n_scans: int, jobs: int) -> list[str]:
         model.partial_fit([one])
         times.append(1000 * (time.perf_counter() - start))
     return [f"{n_scans:,}", f"{np.median(times):.0f}", f"{max(times):.0f}"]
+
+
+def beside_exact(folder: Path, seed: int, n_scans: int, jobs: int) -> list[str]:
+    """Concepts as usual and in the exact way, see the module."""
+    warnings.simplefilter("ignore")
+    objects = list(stored(folder, seed, n_scans))
+    labels = np.array([one.label for one in objects])
+    usual = ShapeConceptModel(n_jobs=jobs).fit(objects)
+    exact = ShapeConceptModel(n_jobs=jobs)
+    exact.set_params(ensemble__max_columns=ALL, filtration__max_vertices=ALL).fit(objects)
+    scores = [grouping_scores(model.labels_, labels) for model in (usual, exact)]
+    same_cut = usual.at_granularity(exact.filtration_.granularity_)
+    indices = [adjusted_rand_score(model.labels_, exact.labels_) for model in (usual, same_cut)]
+    return [
+        f"{n_scans:,}",
+        str(seed),
+        f"{len(usual.concepts_)} / {len(exact.concepts_)}",
+        *(f"{index:.3f}" for index in indices),
+        " / ".join(f"{one.explained:.3f}" for one in scores),
+        " / ".join(f"{one.adjusted_mutual_information:.3f}" for one in scores),
+    ]
 
 
 def on_cluster(folder: Path, seed: int, n_scans: int) -> list[list[str]]:
@@ -221,7 +272,9 @@ def _peak() -> int:
 def main() -> None:
     parser = command(__doc__)
     parser.add_argument(
-        "action", choices=("make", "fit", "update", "cluster", "one"), metavar="make | fit | update | cluster"
+        "action",
+        choices=("make", "fit", "update", "cluster", "exact", "one"),
+        metavar="make | fit | update | cluster | exact",
     )
     parser.add_argument("--scans", nargs="+", type=int, default=SIZES, metavar="N")
     parser.add_argument("--seed", type=int, default=100)
@@ -238,6 +291,13 @@ def main() -> None:
         row = update(options.folder, options.seed, options.scans[-1], options.jobs)
         print_table(("scans", "update, ms", "largest"), [row])
         return
+    if options.action == "exact":
+        exact_rows = [
+            beside_exact(options.folder, options.seed, n_scans, options.jobs) for n_scans in options.scans
+        ]
+        titles = ("scans", "seed", "concepts", "ARI", "ARI, same cut", "explained", "AMI")
+        print_table(titles, exact_rows)
+        return
     if options.action == "cluster":
         n_scans = options.scans[-1]
         rows = on_cluster(options.folder, options.seed, n_scans)
@@ -252,7 +312,7 @@ def main() -> None:
         rows.append([f"{value:.4g}" for value in found.values()])
         print(*rows[-1], flush=True)
     titles = ("scans", "fit, s", "peak, GB", "objects, GB", "prototypes", "columns", "model, MB")
-    print_table((*titles, "response, ms", "concepts", "explained", "AMI"), rows)
+    print_table((*titles, "response, ms", "concepts", "explained", "AMI", *RIVALS), rows)
 
 
 if __name__ == "__main__":

@@ -185,16 +185,18 @@ class ShapeConceptModel(ContinuedLearning, StagesMixin, ClusterMixin, BaseEstima
         if not results:
             raise ValueError("X must hold at least one scan, got none")
 
-        described = [one.described for one in results]
-        ensemble.set_params(n_jobs=self.n_jobs).fit([one for one in described if one])
-        stimuli = with_empty_rows(ensemble.stimuli_, described)
+        names, labels = [one.name for one in results], [one.label for one in results]
+        skipped = {i: one.reason for i, one in enumerate(results) if one.described is None}
+        described = [one.described for one in results if one.described]
+        del results
+        ensemble.set_params(n_jobs=self.n_jobs).fit(described)
+        # The ensemble knows all of them that is needed.
+        del described
+        stimuli = with_empty_rows(ensemble.stimuli_, [i not in skipped for i in range(len(names))])
         if hasattr(filtration, "n_jobs"):
             filtration.n_jobs = self.n_jobs
         filtration.fit(stimuli)
         response.fit(stimuli, filtration.labels_)
-
-        names, labels = [one.name for one in results], [one.label for one in results]
-        skipped = {i: one.reason for i, one in enumerate(results) if one.described is None}
         hierarchies = getattr(ensemble, "hierarchies_", None)
         novelty = hierarchies and Novelty(hierarchies.object_histograms, n_jobs=self.n_jobs)
         return self._remember(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
@@ -236,9 +237,10 @@ def learn(
     learner.set_params(n_jobs=jobs)
     with one_thread(), on_cluster(cluster, jobs):
         collection = _collect(sources, reader, jobs, strict)
+        n_described = len(collection.described)
         with busy("Learning concepts"), warnings_said():
             if update is None:
-                learner.fit(collection.described)
+                learner.fit(_given_away(collection.described))
             else:
                 collection = _learn_on(learner, collection)
         told = _told_by_the_report(
@@ -265,9 +267,9 @@ def learn(
     say(f"Learned {in_words(learner)}")
     if others := other_cuts_in_words(learner):
         say(others)
-    say_skipped(collection.skipped, len(collection.described) + len(collection.skipped))
-    say_notices(collection.notices, len(collection.described))
-    say_skipped(collection.undrawn, len(collection.described), "Could not draw")
+    say_skipped(collection.skipped, n_described + len(collection.skipped))
+    say_notices(collection.notices, n_described)
+    say_skipped(collection.undrawn, n_described, "Could not draw")
     for path in filter(None, (model, report)):
         say(f"Wrote {path}")
 
@@ -276,6 +278,13 @@ def _learner(preset: str) -> ShapeConceptModel:
     from shapeconcepts.model import ShapeConceptModel
 
     return ShapeConceptModel.preset(preset)
+
+
+def _given_away(described: list[DescribedObject]) -> Iterator[DescribedObject]:
+    """Each of a list, which is empty then: once they are learned, nobody needs descriptions."""
+    described.reverse()
+    while described:
+        yield described.pop()
 
 
 def _learn_on(learner: ShapeConceptModel, collection: _Collection) -> _Collection:

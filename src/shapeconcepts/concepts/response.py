@@ -245,7 +245,7 @@ def sampled_members(rows: csr_matrix, labels: NDArray[np.integer], n_most: int) 
     members = np.flatnonzero(labels >= 0)
     if len(members) <= n_most:
         return members
-    drawn = draws(csr_matrix(rows[members]))
+    drawn = draws(rows)[members]
     kept = []
     for group in np.unique(labels[members]):
         own = np.flatnonzero(labels[members] == group)

@@ -125,8 +125,11 @@ def _fit_ensemble(
         object_names=tuple(name for i, name in enumerate(description["scan_names"]) if i not in skipped),
     )
     imagined = ImaginedPrototypes(tensors["imagined.histograms"], tensors["imagined.prototypes"])
-    is_object = ~np.isin(np.arange(stimuli.shape[0]), list(skipped))
-    rows = csr_matrix(stimuli[is_object]) if hierarchies.is_thinned else None
+    rows = None
+    if hierarchies.is_thinned:
+        # All are most often objects, and a copy would take as much memory again.
+        is_object = ~np.isin(np.arange(stimuli.shape[0]), list(skipped))
+        rows = csr_matrix(stimuli[is_object]) if skipped else stimuli
     ensemble._remember(dictionary, hierarchies, imagined, rows)
 
 
@@ -148,7 +151,8 @@ def _fit_filtration(
     _, first, counts = np.unique(space.vertices_[placed], return_index=True, return_counts=True)
     space.multiplicities_ = counts
     space.rows_ = csr_matrix(rows[placed[first]])
-    difference = abs(rows[placed] - space.rows_[space.vertices_[placed]])
+    shared = placed[counts[space.vertices_[placed]] > 1]
+    difference = abs(rows[shared] - space.rows_[space.vertices_[shared]])
     require(
         difference.nnz == 0 or difference.max() < _ROUNDING,
         "tensor space.vertices must give one vertex to equal rows only",

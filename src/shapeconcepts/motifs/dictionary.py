@@ -85,18 +85,19 @@ class SegmentDictionary(TransformerMixin, BaseEstimator):
         rows = self._embed(X, reset=True)
         # In an order that only their content decides, sums round alike however the segments come in.
         order = np.lexsort(rows.T[::-1])
-        clusters = np.empty((len(rows), n_levels), np.int32)
+        rows = rows[order]
         with libraries_in_one_thread():
-            clusters[order] = divide(rows[order], n_levels)
-        self.clusters_: NDArray[np.int32] = clusters
-        self._set_words([_means(rows[order], clusters[order, level]) for level in range(n_levels)])
+            clusters = divide(rows, n_levels)
+        self.clusters_: NDArray[np.int32] = np.empty_like(clusters)
+        self.clusters_[order] = clusters
+        self._set_words([_means(rows, clusters[:, level]) for level in range(n_levels)])
         self.parents_: list[NDArray[np.int32]] = [
             clusters[np.unique(clusters[:, level], return_index=True)[1], level - 1]
             if level
             else np.zeros(clusters[:, 0].max() + 1, np.int32)
             for level in range(n_levels)
         ]
-        n_different = len(np.unique(rows, axis=0))
+        n_different = 1 + int((rows[1:] != rows[:-1]).any(axis=1).sum())
         if n_different < 2**n_levels:
             warnings.warn(
                 f"{n_different} different segment descriptions give {len(self.words_[-1])} of "

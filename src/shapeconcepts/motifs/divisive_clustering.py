@@ -24,16 +24,19 @@ def split_in_two(rows: NDArray[np.float64]) -> NDArray[np.bool_] | None:
     """
     if len(rows) < 2 or np.array_equal(rows.min(axis=0), rows.max(axis=0)):
         return None
-    centred = rows - rows.mean(axis=0)
-    axis = np.linalg.svd(centred, full_matrices=False)[2][0]
+    mean = rows.mean(axis=0)
+    centred = rows - mean
+    axis = np.linalg.eigh(centred.T @ centred)[1][:, -1]
+    del centred
     if axis[np.abs(axis).argmax()] < 0:
         axis = -axis
-    is_far = centred @ axis > 0
+    is_far = rows @ axis > mean @ axis
     for _ in range(MAX_ROUNDS):
         if is_far.all() or not is_far.any():
             return None
         near_mean, far_mean = rows[~is_far].mean(axis=0), rows[is_far].mean(axis=0)
-        nearer_to_far = _squared_distances(rows, far_mean) < _squared_distances(rows, near_mean)
+        # On the far side of the plane midway between the means.
+        nearer_to_far = rows @ (far_mean - near_mean) > (far_mean @ far_mean - near_mean @ near_mean) / 2.0
         if np.array_equal(nearer_to_far, is_far):
             break
         is_far = nearer_to_far
@@ -65,7 +68,3 @@ def divide(rows: NDArray[np.float64], n_levels: int) -> NDArray[np.int32]:
             clusters[cluster, level] = number
         members = halves
     return clusters
-
-
-def _squared_distances(rows: NDArray[np.float64], centre: NDArray[np.float64]) -> NDArray[np.float64]:
-    return ((rows - centre) ** 2).sum(axis=1)

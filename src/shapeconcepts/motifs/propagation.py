@@ -45,7 +45,7 @@ class DecomposedObject(NamedTuple):
     ----------
     constellations : (k,) int64
     motif_levels : (k,) int32
-    histograms : (k, b) float64
+    histograms : (k, b) float32
     segment_edges : (e, 2) int32
     whole : (b,) float64
         As in `Propagation`.
@@ -55,14 +55,14 @@ class DecomposedObject(NamedTuple):
 
     constellations: NDArray[np.int64]
     motif_levels: NDArray[np.int32]
-    histograms: NDArray[np.float64]
+    histograms: NDArray[np.float32]
     segment_edges: NDArray[np.int32]
     whole: NDArray[np.float64]
     n_segments: int
     name: str
 
     @property
-    def segment_histograms(self) -> NDArray[np.float64]:
+    def segment_histograms(self) -> NDArray[np.float32]:
         """Descriptions of the segments themselves, (n_segments, b)."""
         return self.histograms[: self.n_segments]
 
@@ -80,7 +80,7 @@ def decompose_object(described: DescribedObject) -> DecomposedObject:
         name = described.name or "object"
         raise ValueError(f"{name}: expected 1 to {MAX_SEGMENTS} segments, got {n_segments}")
     constellations, motif_levels = decompose(described.segment_edges, n_segments)
-    histograms = described.description.histograms(constellations)
+    histograms = described.description.histograms(constellations).astype(np.float32)
     return DecomposedObject(
         constellations,
         motif_levels,
@@ -110,7 +110,7 @@ def propagate(objects: Sequence[DecomposedObject], dictionary: SegmentDictionary
             one.constellations,
             one.motif_levels,
             _words_within(one.constellations, segment_words),
-            one.histograms.astype(np.float32),
+            one.histograms,
             one.segment_edges,
             one.whole,
         )

@@ -41,7 +41,7 @@ def remembered_objects(hierarchies: MotifHierarchies) -> list[DecomposedObject]:
             DecomposedObject(
                 constellations,
                 decomposition.motif_levels,
-                hierarchies.prototypes[own].astype(np.float64),
+                hierarchies.prototypes[own],
                 edges,
                 hierarchies.object_histograms[number].astype(np.float64),
                 n_segments,

@@ -114,7 +114,7 @@ def sparse_rows(rows: Sequence[SparseRow], n_columns: int) -> csr_matrix:
 
 
 def with_empty_rows(rows: csr_matrix, objects: Sequence[object | None]) -> csr_matrix:
-    """Rows of the objects that are there, and an empty one for each that is None."""
+    """Rows of the objects that are there, and an empty one for each that is None or False."""
     lengths = np.zeros(len(objects), np.int64)
     lengths[[i for i, one in enumerate(objects) if one]] = np.diff(rows.indptr)
     indptr = np.concatenate([[0], np.cumsum(lengths)])

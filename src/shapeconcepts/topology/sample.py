@@ -9,6 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+# What is made of rows to compare them takes several times their memory.
+ROWS_AT_ONCE = 4096
+
 
 def draws(rows: csr_matrix) -> NDArray[np.int64]:
     """A number for each row that a hash of its content draws: it is random, and knows no order, (n,) int64.
@@ -18,14 +21,18 @@ def draws(rows: csr_matrix) -> NDArray[np.int64]:
     rows : (n, c) csr_matrix of float64
         With sum 1, or empty.
     """
-    # Of thousandths, as last bits differ between processors.
-    thousandths = np.round(1000 * rows.data).astype("<i2")
-    kept = thousandths > 0
-    entries = np.empty(int(kept.sum()), np.dtype([("column", "<i4"), ("value", "<i2")]))
-    entries["column"], entries["value"] = rows.indices[kept], thousandths[kept]
-    content, size = entries.tobytes(), entries.itemsize
-    ends = np.concatenate([[0], np.cumsum(kept)])[rows.indptr].tolist()
-    return np.array([crc32(content[a * size : b * size]) for a, b in pairwise(ends)], np.int64)
+    drawn = np.empty(rows.shape[0], np.int64)
+    for start in range(0, len(drawn), ROWS_AT_ONCE):
+        stop = min(start + ROWS_AT_ONCE, len(drawn))
+        entries = slice(rows.indptr[start], rows.indptr[stop])
+        # Of thousandths, as last bits differ between processors.
+        thousandths = np.round(1000 * rows.data[entries]).astype("<i2")
+        kept = thousandths > 0
+        content = np.empty(int(kept.sum()), np.dtype([("column", "<i4"), ("value", "<i2")]))
+        content["column"], content["value"] = rows.indices[entries][kept], thousandths[kept]
+        ends = np.concatenate([[0], np.cumsum(kept)])[rows.indptr[start : stop + 1] - rows.indptr[start]]
+        drawn[start:stop] = [crc32(content[a:b].tobytes()) for a, b in pairwise(ends.tolist())]
+    return drawn
 
 
 def sampled(drawn: NDArray[np.int64], n_most: int) -> NDArray[np.int64]:

@@ -16,7 +16,7 @@ from shapeconcepts.parallel import map_in_order
 from shapeconcepts.parameters import check_parameters, whole_number
 from shapeconcepts.topology.divergence import DivergenceIndex, normalised_rows
 from shapeconcepts.topology.heat_kernels import distance_sums
-from shapeconcepts.topology.sample import draws, sampled
+from shapeconcepts.topology.sample import ROWS_AT_ONCE, draws, sampled
 from shapeconcepts.topology.spanning_tree_kernels import grow_spanning_tree
 
 _BLOCK = 512
@@ -96,6 +96,7 @@ class TopologicalSpace(BaseEstimator):
         first, self.vertices_ = _distinct_rows(rows)
         self.multiplicities_ = np.bincount(self.vertices_[self.vertices_ >= 0], minlength=len(first))
         self.rows_ = csr_matrix(rows[first])
+        del X, rows
         edges, divergences = self._tree()
         edges.sort(axis=1)
         order = np.lexsort(edges.T[::-1])
@@ -113,7 +114,7 @@ class TopologicalSpace(BaseEstimator):
         rows_of_sample = csr_matrix(self.rows_[sample])
         edges, divergences = grow_spanning_tree(*_arrays(rows_of_sample), n_columns)
         others = np.setdiff1d(np.arange(n), sample)
-        blocks = [csr_matrix(self.rows_[others[at : at + _BLOCK]]) for at in range(0, len(others), _BLOCK)]
+        blocks = (csr_matrix(self.rows_[others[at : at + _BLOCK]]) for at in range(0, len(others), _BLOCK))
         index = DivergenceIndex(rows_of_sample)
         found = list(map_in_order(index.nearest, blocks, self.n_jobs, share_memory=True))
         nearest, to_nearest = (np.concatenate(parts) for parts in zip(*found, strict=True))
@@ -157,12 +158,14 @@ def _distinct_rows(rows: csr_matrix) -> tuple[NDArray[np.int64], NDArray[np.int3
     rows : (n, c) csr_matrix
         Sorted columns, positive values.
     """
-    # Big-endian bytes of positive numbers sort like the numbers.
-    entries = np.empty(rows.nnz, np.dtype([("column", ">u4"), ("value", ">f8")]))
-    entries["column"], entries["value"] = rows.indices, rows.data
-    content, size = entries.tobytes(), entries.itemsize
-    starts = rows.indptr.tolist()
-    keys = [content[a * size : b * size] for a, b in pairwise(starts)]
+    keys: list[bytes] = []
+    for start in range(0, rows.shape[0], ROWS_AT_ONCE):
+        ends = rows.indptr[start : start + ROWS_AT_ONCE + 1]
+        block = slice(ends[0], ends[-1])
+        # Big-endian bytes of positive numbers sort like the numbers.
+        entries = np.empty(ends[-1] - ends[0], np.dtype([("column", ">u4"), ("value", ">f8")]))
+        entries["column"], entries["value"] = rows.indices[block], rows.data[block]
+        keys += [entries[a:b].tobytes() for a, b in pairwise((ends - ends[0]).tolist())]
     first: list[int] = []
     vertices = np.full(len(keys), -1, np.int32)
     for row in sorted(np.flatnonzero(np.diff(rows.indptr)).tolist(), key=keys.__getitem__):
