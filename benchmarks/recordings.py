@@ -5,8 +5,8 @@
 Frames have 640 x 480 points, in the layout of a depth camera (16 bytes a point, organised), or are a depth
 image of that size. Of each frame, "rosbags" is the time for reading and deserialising it, "reading" that of
 the whole of `read_scenes`, and "ours" the median of the differences; in turns, over the repeats. Then, the
-resident memory of a process before it reads a recording of many small frames, or a few hundred large ones, and
-the most that it has until the end (Linux only). Needs 2 GB in the folder for temporary files.
+resident memory of a process before it reads a recording of many small frames, or a few hundred large ones,
+and the most that it has until the end (Linux only). Needs 2 GB in the folder for temporary files.
 """
 
 from __future__ import annotations

@@ -1,12 +1,16 @@
 """What is in a recording, which topic is read, and which of its scenes."""
 
+import sqlite3
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as Writer2
+from rosbags.typesys import get_types_from_msg
 
-from recording_examples import BEGIN, SECOND, clouds, numbers, split, write
+from recording_examples import BEGIN, SECOND, STORES, Maker, clouds, file_in, numbers, split, write
 from shapeconcepts import recordings
 from shapeconcepts.recordings import Topic, is_recording, read_scenes, topics
 from shapeconcepts.recordings import frames as frames_module
@@ -152,6 +156,54 @@ def test_bare_files(tmp_path, storage):
     folder = write(tmp_path / "walk", storage, clouds(3))
     suffix = ".mcap" if "mcap" in storage else ".db3"
     assert numbers(read_scenes(folder / f"walk{suffix}")) == [0, 1, 2]
+
+
+def test_types_that_nobody_knows_are_in_nobodys_way(tmp_path):
+    STORES[1].register(get_types_from_msg("float64 grip", "robot/msg/Hand"))
+    STORES[2].register(get_types_from_msg("float64 grip", "robot/msg/Hand"))
+
+    def messages(maker):
+        yield "/hand", BEGIN, maker.make("robot/msg/Hand", 0.5)
+        yield from clouds(3)(maker)
+
+    for storage in ("bag", "db3", "mcap"):
+        path = write(tmp_path / storage, storage, messages)
+        assert numbers(read_scenes(path)) == [0, 1, 2]
+        assert ("/hand", "robot/msg/Hand", 1, "") in [topic[:4] for topic in topics(path)]
+
+
+def test_a_database_of_an_older_ros_2_without_definitions(tmp_path):
+    path = file_in(write(tmp_path / "walk", "db3", clouds(3)))
+    with sqlite3.connect(path) as database:
+        database.execute("DROP TABLE schema")
+        database.execute("DROP TABLE message_definitions")
+        database.execute("ALTER TABLE topics DROP COLUMN type_description_hash")
+    database.close()
+    scenes, errors = split(read_scenes(path))
+    assert numbers(scenes) == [0, 1, 2]
+    assert errors == []
+
+
+def test_an_mcap_file_of_ros_1(tmp_path):
+    maker = Maker(1)
+    with Writer2(tmp_path / "walk", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection("/points", CLOUD, typestore=STORES[2], serialization_format="ros1")
+        for _, time, message in clouds(3)(maker):
+            writer.write(connection, time, STORES[1].serialize_ros1(message, CLOUD))
+    path = tmp_path / "walk" / "walk.mcap"
+    path.write_bytes(path.read_bytes().replace(b"ros2", b"ros1", 1))
+    scenes, errors = split(read_scenes(path))
+    assert numbers(scenes) == [0, 1, 2]
+    assert errors == []
+
+
+def test_messages_that_are_serialised_otherwise_are_told(tmp_path):
+    with Writer2(tmp_path / "walk", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection("/points", CLOUD, typestore=STORES[2], serialization_format="json")
+        writer.write(connection, BEGIN, b"{}")
+    scenes, (error,) = split(read_scenes(tmp_path / "walk" / "walk.mcap"))
+    assert scenes == []
+    assert "is serialised as 'json', expected 'cdr' or 'ros1'" in error
 
 
 @pytest.mark.parametrize("storage", ["db3", "mcap"])
