@@ -53,7 +53,7 @@ def test_a_choice_is_the_users(tmp_path):
         next(read_scenes(path))
     assert str(error.value) == (
         f"{path}: has several topics with scenes, choose one: "
-        "/camera/depth/image_raw (Image, 1 messages), /camera/depth/points (PointCloud2, 1 messages), "
+        "/camera/depth/image_raw (Image, 1 message), /camera/depth/points (PointCloud2, 1 message), "
         "/lidar/points (PointCloud2, 2 messages)"
     )
     assert len(list(read_scenes(path, topic="/lidar/points"))) == 2

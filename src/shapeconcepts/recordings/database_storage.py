@@ -75,6 +75,9 @@ class DatabaseStorage:
         while step < 2**_MOST_TRIES:
             try:
                 for row in self._database.execute(query, (last,)):
+                    if row[0] <= last:
+                        # The tree of a damaged database may have circles.
+                        raise sqlite3.DatabaseError(f"message {row[0]} stands behind {last}")
                     last, step = row[0], 1
                     yield row
                 return

@@ -11,7 +11,7 @@ from os import PathLike
 from pathlib import Path
 
 from shapeconcepts.recordings.library import check_library
-from shapeconcepts.recordings.topic import Topic, chosen
+from shapeconcepts.recordings.topic import Topic, chosen, counted
 from shapeconcepts.scan import ScanError, scan_errors
 from shapeconcepts.scene import Scene
 
@@ -125,8 +125,8 @@ def _scenes(
         damage = recording.damage
         if not damage and start is None and end is None and frames.n_messages < topic.count:
             # rosbags passes over what is unknown to it.
-            damage = f"has an index with {topic.count} messages, of which some are missing"
+            damage = f"has an index with {counted(topic.count)}, of which some are missing"
         if damage:
-            yield ScanError(f"{path}: {damage}: it gave {frames.n_messages} messages on {topic.name}")
+            yield ScanError(f"{path}: {damage}: it gave {counted(frames.n_messages)} on {topic.name}")
     finally:
         recording.close()

@@ -77,9 +77,14 @@ def chosen(path: Path, topics: Sequence[Topic], name: str | None) -> Topic:
     return topic
 
 
+def counted(n_messages: int) -> str:
+    """A number of messages in words."""
+    return "1 message" if n_messages == 1 else f"{n_messages} messages"
+
+
 def _listed(topics: Sequence[Topic]) -> str:
     entries = []
     for topic in topics:
         detail = f" ({topic.refusal})" if topic.refusal else ""
-        entries.append(f"{topic.name} ({topic.type.rpartition('/')[2]}, {topic.count} messages){detail}")
+        entries.append(f"{topic.name} ({topic.type.rpartition('/')[2]}, {counted(topic.count)}){detail}")
     return ", ".join(entries)
