@@ -14,6 +14,7 @@ from recording_examples import BEGIN, SECOND, STORES, Maker, clouds, file_in, nu
 from shapeconcepts import recordings
 from shapeconcepts.recordings import Topic, is_recording, read_scenes, topics
 from shapeconcepts.recordings import frames as frames_module
+from shapeconcepts.recordings.library_storage import LibraryStorage
 from shapeconcepts.scan import ScanError
 
 CLOUD = "sensor_msgs/msg/PointCloud2"
@@ -170,6 +171,20 @@ def test_types_that_nobody_knows_are_in_nobodys_way(tmp_path):
         path = write(tmp_path / storage, storage, messages)
         assert numbers(read_scenes(path)) == [0, 1, 2]
         assert ("/hand", "robot/msg/Hand", 1, "") in [topic[:4] for topic in topics(path)]
+
+
+def test_a_bag_has_no_index_in_memory_of_what_is_not_read(tmp_path):
+    def messages(maker):
+        for number in range(500):
+            yield "/hand", BEGIN + number, maker.make("std_msgs/msg/Float64", 0.5)
+        yield from clouds(3)(maker)
+
+    path = write(tmp_path / "walk", "bag", messages)
+    storage = LibraryStorage(path)
+    assert sum(map(len, storage._reader.indexes.values())) == 3
+    storage.close()
+    assert [topic.count for topic in topics(path)] == [3, 500]
+    assert numbers(read_scenes(path)) == [0, 1, 2]
 
 
 def test_a_database_of_an_older_ros_2_without_definitions(tmp_path):

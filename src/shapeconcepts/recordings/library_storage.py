@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +12,7 @@ from rosbags.rosbag1 import Reader as Bag
 from rosbags.rosbag2 import Reader as Bag2
 from rosbags.rosbag2.storage_mcap import McapReader
 
+from shapeconcepts.recordings.message_types import TYPES
 from shapeconcepts.recordings.recording_path import BAG
 from shapeconcepts.recordings.storage import ROS1, Channel, Message
 
@@ -25,7 +28,7 @@ class LibraryStorage:
 
     def __init__(self, path: Path) -> None:
         is_bag = path.suffix.lower() == BAG and path.is_file()
-        self._reader: Any = Bag(path) if is_bag else Bag2(path)
+        self._reader: Any = _Bag(path) if is_bag else Bag2(path)
         self._reader.open()
         try:
             if not is_bag:
@@ -39,7 +42,7 @@ class LibraryStorage:
                     str(one.topic),
                     str(one.msgtype),
                     ROS1 if is_bag else one.ext.serialization_format,
-                    int(one.msgcount),
+                    self._reader.count(one) if is_bag else int(one.msgcount),
                 )
                 for index, one in enumerate(self._connections)
             ]
@@ -61,6 +64,29 @@ class LibraryStorage:
     def close(self) -> None:
         """As `Storage.close`."""
         self._reader.close()
+
+
+class _Bag(Bag):
+    """A rosbag without the index of messages that nobody reads.
+
+    It takes 200 bytes for each of them, which may be thousands a second.
+    """
+
+    def read_index_data(self, pos: int, indexes: dict[int, list[Any]]) -> None:
+        """Add a part of the index of one connection."""
+        found: dict[int, list[Any]] = defaultdict(list)
+        super().read_index_data(pos, found)
+        for connection, entries in found.items():
+            if self._types[connection] in TYPES:
+                indexes[connection] += entries
+
+    def count(self, connection: Any) -> int:
+        """Number of messages, of which there may be no index."""
+        return sum(chunk.connection_counts.get(connection.id, 0) for chunk in self.chunk_infos)
+
+    @cached_property
+    def _types(self) -> dict[int, str]:
+        return {connection.id: connection.msgtype for connection in self.connections}
 
 
 def _check_index(reader: Any) -> None:

@@ -23,6 +23,8 @@ TRANSFORMS = "tf2_msgs/msg/TFMessage"
 # Before tf2, with the same content.
 OLD_TRANSFORMS = "tf/msg/tfMessage"
 
+TYPES = (POINT_CLOUD, IMAGE, COMPRESSED_IMAGE, CAMERA_INFO, TRANSFORMS, OLD_TRANSFORMS)
+
 
 def deserialised(message: Message) -> Any:
     """A message as rosbags makes it, with its bytes as views; ScanError, without a name, where it is none."""
