@@ -28,7 +28,8 @@ class LibraryStorage:
 
     def __init__(self, path: Path) -> None:
         is_bag = path.suffix.lower() == BAG and path.is_file()
-        self._reader: Any = _Bag(path) if is_bag else Bag2(path)
+        reader: Any = _Bag(path) if is_bag else Bag2(path)
+        self._reader = reader
         self._reader.open()
         try:
             if not is_bag:
