@@ -44,6 +44,7 @@ COMMANDS = (
     "learn.py",
     "report.py",
     "small_files.py",
+    "recordings.py",
     "start.py",
     "kills.py",
     "other_processor.py",

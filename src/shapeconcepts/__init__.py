@@ -90,7 +90,7 @@ _NAMES_IN = {
     "sources": ("read_scan", "read_scans"),
     "topology": ("TopologicalSpace",),
 }
-_PACKAGES = ("datasets", "evaluation", "io", "preparation", "report", "simulation", *_NAMES_IN)
+_PACKAGES = ("datasets", "evaluation", "io", "preparation", "recordings", "report", "simulation", *_NAMES_IN)
 _HOME_OF = {name: home for home, names in _NAMES_IN.items() for name in names}
 
 

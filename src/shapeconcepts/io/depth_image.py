@@ -113,6 +113,12 @@ def png_depth_size(data: bytes) -> tuple[int, int]:
     return _checked_size(width, height)
 
 
+def png_depths(data: bytes) -> NDArray:
+    """Pixels (h, w) of a PNG image with one channel of 16 bits; ScanError says what is wrong with it."""
+    png_depth_size(data)
+    return _pixels(data, PNG)
+
+
 def _tiff_depth_size(data: bytes) -> tuple[int, int]:
     try:
         with Image.open(BytesIO(data), formats=TIFF) as image:
