@@ -87,6 +87,7 @@ def arrange(
     tables: Sequence[Table],
     n_things: int,
     contact: float,
+    spread: float | None,
     is_place: Callable[[Thing], bool],
 ) -> list[Thing]:
     """Things on tables.
@@ -100,6 +101,8 @@ def arrange(
         How many there are, if there is place for so many.
     contact : float
         Share of the things that are put beside or onto another one, so that they touch.
+    spread : float, optional
+        Standard deviation of the places on the first table around the origin, metres. None for all over it.
     is_place : callable
         Whether a thing may lie where it is.
     """
@@ -114,7 +117,7 @@ def arrange(
             place: Thing | None
             others = things
             if neighbour is None:
-                place = _anywhere(rng, thing)
+                place = _anywhere(rng, thing, spread if thing.table is tables[0] else None)
             elif neighbour.category in _WITH_FLAT_TOP and rng.random() < _STACKED:
                 place, others = _onto(rng, thing, neighbour), [t for t in things if t is not neighbour]
             else:
@@ -142,9 +145,12 @@ def _put(thing: Thing, place: NDArray[np.float64], height: float, table: Table) 
     return Thing(thing.category, moved(thing.mesh, (*place, height)), thing.outline + place, table)
 
 
-def _anywhere(rng: np.random.Generator, thing: Thing) -> Thing:
+def _anywhere(rng: np.random.Generator, thing: Thing, spread: float | None) -> Thing:
     table = thing.table
-    place = rng.uniform(table.outline.min(axis=0), table.outline.max(axis=0))
+    if spread is None:
+        place = rng.uniform(table.outline.min(axis=0), table.outline.max(axis=0))
+    else:
+        place = rng.normal(0.0, spread, 2)
     return _put(thing, place, table.height, table)
 
 

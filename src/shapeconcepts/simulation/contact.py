@@ -25,11 +25,18 @@ def touching_pairs(meshes: Sequence[Mesh]) -> list[tuple[int, int]]:
         if gap(outlines[first], outlines[second]) < TOUCHING
     ]
     points = {index: _on_surface(meshes[index]) for index in {index for pair in near for index in pair}}
-    return [
-        pair
-        for pair in near
-        if cKDTree(points[pair[0]]).query(points[pair[1]], distance_upper_bound=TOUCHING)[0].min() < TOUCHING
-    ]
+    return [(first, second) for first, second in near if _meet(points[first], points[second])]
+
+
+def _meet(first: NDArray[np.float64], second: NDArray[np.float64]) -> bool:
+    """Whether two sets of points (n, 3) come within a centimetre of one another."""
+    low = np.maximum(first.min(axis=0), second.min(axis=0)) - TOUCHING
+    high = np.minimum(first.max(axis=0), second.max(axis=0)) + TOUCHING
+    first, second = (points[((points >= low) & (points <= high)).all(axis=1)] for points in (first, second))
+    if not len(first) or not len(second):
+        return False
+    distances, _ = cKDTree(first).query(second, distance_upper_bound=TOUCHING)
+    return bool(np.isfinite(distances).any())
 
 
 def _on_surface(mesh: Mesh) -> NDArray[np.float64]:
@@ -45,4 +52,4 @@ def _on_surface(mesh: Mesh) -> NDArray[np.float64]:
         weights = np.column_stack([n - a - b, a, b])[inside] / n
         corners = np.stack([first[rows], second[rows], third[rows]], axis=1)
         found.append(np.einsum("wk,fkx->fwx", weights, corners).reshape(-1, 3))
-    return np.unique(np.round(np.concatenate(found), 4), axis=0)
+    return np.concatenate(found)

@@ -37,17 +37,25 @@ class Table(NamedTuple):
     height: float
 
 
-def draw_table(rng: np.random.Generator, floor: float) -> Table:
-    """A round or rectangular table about the origin, its top at the height 0, the floor's below that."""
+def draw_table(rng: np.random.Generator, floor: float, is_large: bool) -> Table:
+    """A round or rectangular table about the origin, its top at the height 0, the floor's below that.
+
+    A large one is rectangular and 1.6 to 2.4 m wide and deep.
+    """
     thickness = rng.uniform(0.018, 0.05)
-    parts = _round(rng, thickness, floor) if rng.random() < 0.3 else _rectangular(rng, thickness, floor)
+    if is_large:
+        parts = _rectangular(rng.uniform(0.8, 1.2, 2), thickness, floor)
+    elif rng.random() < 0.3:
+        parts = _round(rng, thickness, floor)
+    else:
+        parts = _rectangular(rng.uniform((0.35, 0.28), (0.9, 0.5)), thickness, floor)
     mesh = rotated(join(parts), 2, np.radians(rng.uniform(-35.0, 35.0) + rng.choice([0.0, 90.0])))
     top = mesh.vertices[mesh.vertices[:, 2] > -1e-9]
     return Table(mesh, footprint(top), 0.0)
 
 
-def _rectangular(rng: np.random.Generator, thickness: float, floor: float) -> list[Mesh]:
-    half = np.array([rng.uniform(0.35, 0.9), rng.uniform(0.28, 0.5), thickness / 2.0])
+def _rectangular(half_size: NDArray[np.float64], thickness: float, floor: float) -> list[Mesh]:
+    half = np.array([*half_size, thickness / 2.0])
     top = moved(rounded_box(half, radius=0.003, n=_CELLS_ALONG), (0.0, 0.0, -half[2]))
     length = -floor - thickness
     leg = rounded_box(np.array([_LEG, _LEG, length / 2.0]), radius=0.003)

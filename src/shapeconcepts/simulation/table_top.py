@@ -171,7 +171,8 @@ def _drawn_scene(rng: np.random.Generator, name: str) -> SimulatedScene:
 
     n_things = int(rng.integers(_FEWEST_OBJECTS, _MOST_OBJECTS + 1))
     contact = rng.choice([0.0, 0.4], p=[0.6, 0.4])
-    things = arrange(rng, tables, n_things, contact, is_place)
+    spread = rng.uniform(0.12, 0.25) if rng.random() < 0.5 else None
+    things = arrange(rng, tables, n_things, contact, spread, is_place)
     labels = [_FIRST_OBJECT + _DECADE * k for k in range(len(things))]
     parts = [_labelled(thing.mesh, label) for thing, label in zip(things, labels, strict=True)]
     parts += [
@@ -217,12 +218,14 @@ def _drawn_scene(rng: np.random.Generator, name: str) -> SimulatedScene:
 
 
 def _tables(rng: np.random.Generator, floor: float) -> list[Table]:
-    table = draw_table(rng, floor)
+    # From the middle of a large table, no edge of it may be visible, nor another one.
+    kind = rng.choice(["one", "large", "two"], p=[0.4, 0.25, 0.35])
+    table = draw_table(rng, floor, kind == "large")
     half_size = np.ptp(table.outline, axis=0) / 2.0
     tables = [on_table(table, rng.uniform(-_OFF_MIDDLE, _OFF_MIDDLE, 2) * half_size)]
-    if rng.random() < 0.3:
+    if kind == "two":
         difference = rng.choice([-1.0, 1.0]) * rng.uniform(0.06, 0.25)
-        tables.append(beside(rng, draw_table(rng, floor - difference), tables[0], difference))
+        tables.append(beside(rng, draw_table(rng, floor - difference, False), tables[0], difference))
     return tables
 
 
