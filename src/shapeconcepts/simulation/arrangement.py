@@ -36,11 +36,12 @@ THINGS: dict[str, Callable[[np.random.Generator], Mesh]] = {
 
 _WITH_FLAT_TOP = ("box", "book", "card")
 _APART = 0.02
-_FROM_TABLE_EDGE = 0.01
+_FROM_EDGE = 0.01
 _HIGHEST = 0.45
-_STACKED = 0.4
-# What is stacked may reach this much farther than what it stands on.
-_OVERHANG = 1.15
+# Of the things that touch another one, where one is there to stack them on.
+_STACKED = 0.6
+# What is stacked may be so much longer than what it stands on.
+_OVERHANG = 1.5
 # A plate that leans would need something to lean on.
 _STEEPEST_PLATE = 0.5
 _TRIES = 40
@@ -112,16 +113,18 @@ def arrange(
             break
         thing = _drawn(rng, tables[-1] if rng.random() < _ON_LAST_TABLE else tables[0])
         touches = len(things) > 0 and rng.random() < contact
+        stands = [other for other in things if other.category in _WITH_FLAT_TOP] if touches else []
+        is_stacked = len(stands) > 0 and rng.random() < _STACKED
         for _ in range(_TRIES):
-            neighbour = things[rng.integers(len(things))] if touches else None
-            place: Thing | None
-            others = things
-            if neighbour is None:
-                place = _anywhere(rng, thing, spread if thing.table is tables[0] else None)
-            elif neighbour.category in _WITH_FLAT_TOP and rng.random() < _STACKED:
-                place, others = _onto(rng, thing, neighbour), [t for t in things if t is not neighbour]
+            others, place = things, None
+            if is_stacked:
+                below = stands[rng.integers(len(stands))]
+                others = [other for other in things if other is not below]
+                place = _onto(rng, thing, below)
+            elif touches:
+                place = _next_to(rng, thing, things[rng.integers(len(things))])
             else:
-                place = _next_to(rng, thing, neighbour)
+                place = _anywhere(rng, thing, spread if thing.table is tables[0] else None)
             apart = 0.0 if touches else _APART
             if place is not None and _fits(place, others, apart) and is_place(place):
                 things.append(place)
@@ -161,11 +164,10 @@ def _next_to(rng: np.random.Generator, thing: Thing, neighbour: Thing) -> Thing:
 
 
 def _onto(rng: np.random.Generator, thing: Thing, below: Thing) -> Thing | None:
-    """A thing on top of another one; None where that is too small for it."""
-    place = below.outline.mean(axis=0) + rng.uniform(-0.15, 0.15, 2) * np.ptp(below.outline, axis=0)
-    middle = below.outline.mean(axis=0)
-    region = middle + _OVERHANG * (below.outline - middle)
-    if not is_within(thing.outline + place, region, 0.0):
+    """A thing on top of another one, its middle above it; None where it is too large for that."""
+    size, room = np.ptp(thing.outline, axis=0), np.ptp(below.outline, axis=0)
+    place = below.outline.mean(axis=0) + rng.uniform(-0.2, 0.2, 2) * room
+    if size.max() > _OVERHANG * room.max() or not is_within(place[None], below.outline, _FROM_EDGE):
         return None
     return _put(thing, place, below.top, below.table)
 
@@ -173,7 +175,7 @@ def _onto(rng: np.random.Generator, thing: Thing, below: Thing) -> Thing | None:
 def _fits(thing: Thing, others: Sequence[Thing], apart: float) -> bool:
     """Whether a thing is above its table, all of it, and keeps a distance in metres from others."""
     return (
-        is_within(thing.outline, thing.table.outline, _FROM_TABLE_EDGE)
+        is_within(thing.outline, thing.table.outline, _FROM_EDGE)
         and thing.top - thing.table.height < _HIGHEST
         and all(gap(thing.outline, other.outline) >= apart for other in others)
     )
