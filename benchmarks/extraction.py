@@ -25,7 +25,6 @@ os.environ.setdefault("OMP_NUM_THREADS", "2")
 import time
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -50,11 +49,15 @@ ALL = "all"
 Extractor = Callable[[Scene], list[Any]]
 
 
-class Kinds(NamedTuple):
-    """A scene and what is said about its true objects: sets of labels by the name of a table's row."""
+class AnnotatedScene(NamedTuple):
+    """A scene with labels, and the true objects to look for: their labels by the name of a table's row."""
 
     scene: Scene
-    labels: dict[str, set[int]]
+    rows: dict[str, set[int]]
+
+    def without_truth(self) -> Scene:
+        scene = self.scene
+        return Scene(scene.points, viewpoint=scene.viewpoint, up=scene.up, name=scene.name)
 
 
 class Tally:
@@ -81,7 +84,7 @@ def extractors() -> dict[str, Extractor]:
     return {"shapeconcepts": sc.extract_objects, **rivals}
 
 
-def osd_scenes(folder: Path) -> Iterator[Kinds]:
+def osd_scenes(folder: Path) -> Iterator[AnnotatedScene]:
     for path in sorted(folder.glob("*.pcd"), key=lambda path: (len(path.stem), path.stem)):
         scan = sc.read_scan(path)
         labels = scan.point_labels.reshape(SHAPE)
@@ -91,38 +94,37 @@ def osd_scenes(folder: Path) -> Iterator[Kinds]:
         every = set((labels[labels >= 20] // 10 * 10).tolist())
         touching = touching_objects(scene.points, labels)
         category = scene_category(path.stem)
-        yield Kinds(scene, {**rows_of(every, touching), f"{ALL}, label {category}": every})
+        yield AnnotatedScene(scene, {**rows_of(every, touching), f"{ALL}, label {category}": every})
 
 
-def simulated_scenes(n_scenes: int, seed: int) -> Iterator[Kinds]:
+def simulated_scenes(n_scenes: int, seed: int) -> Iterator[AnnotatedScene]:
     for index in range(n_scenes):
         scene = datasets.simulate_scene(index, random_state=seed)
         objects = [seen for seen in scene.objects if seen.n_points >= FEWEST_POINTS]
         rows = rows_of({seen.label for seen in objects}, {seen.label for seen in objects if seen.touching})
         rows["thin (1 cm or less)"] = {seen.label for seen in objects if seen.is_thin}
         rows["cut by the border"] = {seen.label for seen in objects if seen.is_cut}
-        yield Kinds(scene, rows)
+        yield AnnotatedScene(scene, rows)
 
 
 def rows_of(every: set[int], touching: set[int]) -> dict[str, set[int]]:
     return {ALL: every, "apart": every - touching, "touching or stacked": every & touching}
 
 
-def tallies(scenes: Iterable[Kinds], methods: dict[str, Extractor]) -> dict[str, dict[str, Tally]]:
+def tallies(scenes: Iterable[AnnotatedScene], methods: dict[str, Extractor]) -> dict[str, dict[str, Tally]]:
     """Counts by method and row."""
     counts: dict[str, dict[str, Tally]] = {name: {} for name in methods}
-    for kinds in scenes:
-        hidden = replace(kinds.scene, point_labels=None)
+    for annotated in scenes:
+        hidden = annotated.without_truth()
         for name, extract in methods.items():
-            predicted = extract(hidden)
-            add(counts[name], kinds, predicted)
+            add(counts[name], annotated, extract(hidden))
     return counts
 
 
-def add(counts: dict[str, Tally], kinds: Kinds, predicted: list[Any]) -> None:
+def add(counts: dict[str, Tally], annotated: AnnotatedScene, predicted: list[Any]) -> None:
     """Count what was predicted for one scene."""
-    matches = match_objects(kinds.scene.point_labels, [found.indices for found in predicted])
-    for row, labels in kinds.labels.items():
+    matches = match_objects(annotated.scene.point_labels, [found.indices for found in predicted])
+    for row, labels in annotated.rows.items():
         tally = counts.setdefault(row, Tally())
         here = np.isin(matches.labels, list(labels))
         tally.is_found += matches.is_found[here].tolist()
@@ -134,7 +136,7 @@ def add(counts: dict[str, Tally], kinds: Kinds, predicted: list[Any]) -> None:
         tally.is_right += matches.is_right[counted].tolist()
 
 
-def show(scenes: Iterable[Kinds]) -> None:
+def show(scenes: Iterable[AnnotatedScene]) -> None:
     titles = ("", "objects", "recall %", "predicted", "precision %", "left together", "and said")
     for name, rows in tallies(scenes, extractors()).items():
         print(f"\n{name}")
@@ -142,7 +144,7 @@ def show(scenes: Iterable[Kinds]) -> None:
 
 
 def show_times(options: Namespace) -> None:
-    scenes = [replace(kinds.scene, point_labels=None) for kinds in osd_scenes(options.folder)]
+    scenes = [annotated.without_truth() for annotated in osd_scenes(options.folder)]
     methods = extractors()
     taken: dict[str, list[float]] = {name: [] for name in methods}
     for method in methods.values():

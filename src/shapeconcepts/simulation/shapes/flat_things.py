@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from shapeconcepts.simulation.shapes.box import rounded_box
 from shapeconcepts.simulation.shapes.mesh import Mesh, join, loft, moved, rotated, sheet
@@ -48,19 +49,19 @@ def make_knife(rng: np.random.Generator) -> Mesh:
 
 
 def make_fork(rng: np.random.Generator) -> Mesh:
-    """A fork 17 to 22 cm long with four prongs, curved, 7 to 10 mm high."""
-    length, half_width = rng.uniform(0.17, 0.22), rng.uniform(0.011, 0.014)
-    rise, thickness = rng.uniform(0.004, 0.006), rng.uniform(0.003, 0.004)
-    handle = [(0.0, 0.007), (0.1, 0.009), (0.3, 0.007), (0.55, 0.004)]
-    parts = [_strip([*handle, (0.68, half_width), (0.8, half_width)])]
+    """A fork 17 to 22 cm long with four prongs, its neck raised, 8 to 10 mm high."""
+    length, half_width = rng.uniform(0.17, 0.22), rng.uniform(0.012, 0.015)
+    thickness = rng.uniform(0.004, 0.005)
+    rise = rng.uniform(0.004, 0.005)
+    parts = [_strip([(0.0, 0.008), (0.1, 0.01), (0.55, 0.005), (0.68, half_width), (0.8, half_width)])]
     for centre in np.linspace(_PRONG_WIDTH / 2.0 - half_width, half_width - _PRONG_WIDTH / 2.0, 4):
         prong = _strip([(0.8, _PRONG_WIDTH / 2.0), (1.0, _PRONG_WIDTH / 3.0)])
         parts.append(moved(prong, (centre, 0.0, 0.0)))
     flat = join(parts)
-    along = flat.vertices[:, 1]
-    bend = rise * (0.5 + 0.5 * np.cos(2.0 * np.pi * along / 0.85))
-    vertices = np.column_stack([flat.vertices[:, 0], length * along, thickness * flat.vertices[:, 2] + bend])
-    return flat._replace(vertices=vertices)
+    x, along, layer = flat.vertices.T
+    # It rests on the end of the handle and on the head.
+    bend = PchipInterpolator([0.0, 0.55, 0.84, 1.0], [0.0, rise, 0.0, 0.6 * rise])(along)
+    return flat._replace(vertices=np.column_stack([x, length * along, thickness * layer + bend]))
 
 
 def _slab(width: float, length: float, thickness: float) -> Mesh:
