@@ -3,10 +3,14 @@
 from shapeconcepts.simulation import (
     CATEGORIES,
     PART_NAMES,
+    SceneObject,
     SensorModel,
+    SimulatedScene,
     scan_mesh,
     simulate,
     simulate_scan,
+    simulate_scene,
+    simulate_scenes,
     views,
 )
 from shapeconcepts.sources import (
@@ -23,7 +27,9 @@ __all__ = [
     "CATEGORIES",
     "PAPER_CATEGORIES",
     "PART_NAMES",
+    "SceneObject",
     "SensorModel",
+    "SimulatedScene",
     "load_labelled",
     "load_oscd",
     "load_osd",
@@ -32,6 +38,8 @@ __all__ = [
     "scan_mesh",
     "simulate",
     "simulate_scan",
+    "simulate_scene",
+    "simulate_scenes",
     "split_of",
     "views",
 ]

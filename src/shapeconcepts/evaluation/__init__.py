@@ -27,6 +27,7 @@ from shapeconcepts.evaluation.metrics import (
     purity,
     rank_score,
 )
+from shapeconcepts.evaluation.object_detection import ObjectMatches, match_objects, touching_objects
 from shapeconcepts.evaluation.paper import PAPER
 from shapeconcepts.evaluation.point_nn import point_nn
 from shapeconcepts.evaluation.results import Evaluation
@@ -37,6 +38,7 @@ __all__ = [
     "Evaluation",
     "Grouping",
     "GroupingScores",
+    "ObjectMatches",
     "TopicModel",
     "average_linkage",
     "baseline_rows",
@@ -47,6 +49,7 @@ __all__ = [
     "hdbscan",
     "k_means",
     "leiden",
+    "match_objects",
     "mean_error_over_labels",
     "most_groups",
     "our_filtration",
@@ -60,5 +63,6 @@ __all__ = [
     "svm_errors",
     "svm_predictions",
     "tomato",
+    "touching_objects",
     "whole_object_rows",
 ]

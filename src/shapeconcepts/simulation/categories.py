@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from shapeconcepts.scan import Scan, ScanError
+from shapeconcepts.simulation.seeds import check_count, seed_of
 from shapeconcepts.simulation.sensor import scan_mesh
 from shapeconcepts.simulation.shapes import SHAPES
 
@@ -49,9 +50,9 @@ def simulate(
     ValueError
         If a parameter is not as described; the message names it and its value.
     """
-    _check_count("n_per_category", n_per_category)
+    check_count("n_per_category", n_per_category)
     categories = CATEGORIES if categories is None else _checked(categories)
-    seed = _seed(random_state)
+    seed = seed_of(random_state)
     return [
         simulate_scan(category, index, random_state=seed)
         for category in categories
@@ -81,8 +82,8 @@ def simulate_scan(category: str, index: int, *, random_state: int = 0) -> Scan:
         If a parameter is not as described; the message names it and its value.
     """
     [category] = _checked([category])
-    _check_count("index", index)
-    _check_count("random_state", random_state)
+    check_count("index", index)
+    check_count("random_state", random_state)
     seed = np.random.SeedSequence(random_state, spawn_key=(CATEGORIES.index(category), index))
     rng = np.random.default_rng(seed)
     mesh = SHAPES[category](rng)
@@ -105,15 +106,6 @@ def simulate_scan(category: str, index: int, *, random_state: int = 0) -> Scan:
     raise ScanError(f"{category}_{index}: fewer than {_FEWEST_POINTS} points in each of {_MOST_VIEWS} views")
 
 
-def _is_count(value: object) -> bool:
-    return isinstance(value, int | np.integer) and not isinstance(value, bool) and int(value) >= 0
-
-
-def _check_count(parameter: str, value: object) -> None:
-    if not _is_count(value):
-        raise ValueError(f"{parameter} must be a whole number, 0 or more, got {value!r}")
-
-
 def _checked(categories: Sequence[str]) -> tuple[str, ...]:
     # A string is a sequence of strings too.
     if isinstance(categories, str) or not isinstance(categories, Iterable):
@@ -127,14 +119,3 @@ def _checked(categories: Sequence[str]) -> tuple[str, ...]:
                 f"categories: unknown category {name!r}, expected some of {', '.join(CATEGORIES)}"
             )
     return names
-
-
-def _seed(random_state: int | np.random.Generator | None) -> int:
-    if random_state is None or isinstance(random_state, np.random.Generator):
-        return int(np.random.default_rng(random_state).integers(2**63))
-    if not _is_count(random_state):
-        raise ValueError(
-            "random_state must be a whole number, 0 or more, a numpy.random.Generator or None, "
-            f"got {random_state!r}"
-        )
-    return int(random_state)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.simulation.shapes.deformation import dented, leaning
-from shapeconcepts.simulation.shapes.mesh import Mesh, join
+from shapeconcepts.simulation.shapes.mesh import Mesh, join, sheet
 
 PARTS = ("left", "right", "front", "back", "bottom", "top")
 _SHORTEST, _LONGEST, _LARGEST_DIAGONAL = 0.04, 0.32, 0.45
@@ -51,11 +51,11 @@ def rounded_box(half: NDArray[np.float64], radius: float, n: int = 8, n_round: i
         u, v = [(1, 2), (2, 0), (0, 1)][axis]
         along_u, along_v = _grid_line(half[u], radius, n, n_round), _grid_line(half[v], radius, n, n_round)
         for label, side in ((2 * axis, -1.0), (2 * axis + 1, 1.0)):
-            sheet = np.empty((len(along_u), len(along_v), 3))
-            sheet[..., axis] = side * half[axis]
-            sheet[..., u] = along_u[:, None]
-            sheet[..., v] = along_v[None, :]
-            sides.append(_sheet(sheet, label))
+            points = np.empty((len(along_u), len(along_v), 3))
+            points[..., axis] = side * half[axis]
+            points[..., u] = along_u[:, None]
+            points[..., v] = along_v[None, :]
+            sides.append(sheet(points, label))
     mesh = join(sides)
     core = np.clip(mesh.vertices, radius - half, half - radius)
     outward = mesh.vertices - core
@@ -66,15 +66,6 @@ def _grid_line(half: float, radius: float, n: int, n_round: int) -> NDArray[np.f
     rounding = radius * np.tan(np.linspace(0.0, np.pi / 4.0, n_round + 1))[1:]
     flat = np.linspace(radius - half, half - radius, n + 1)
     return np.concatenate([radius - half - rounding[::-1], flat, half - radius + rounding])
-
-
-def _sheet(points: NDArray[np.float64], label: int) -> Mesh:
-    """Rectangular grid of points, (a, b, 3), as triangles."""
-    index = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
-    corners = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
-    first, second, third, fourth = corners
-    faces = np.stack([first, second, third, first, third, fourth], axis=-1).reshape(-1, 3)
-    return Mesh(points.reshape(-1, 3), faces, np.full(len(faces), label, dtype=np.int64))
 
 
 def _bulging(mesh: Mesh, half: NDArray[np.float64], height: float) -> Mesh:

@@ -139,6 +139,15 @@ def bezier(control: ArrayLike, fraction: NDArray[np.float64]) -> NDArray[np.floa
     return points[0]
 
 
+def sheet(points: NDArray[np.float64], label: int) -> Mesh:
+    """Rectangular grid of points, (a, b, 3), as triangles."""
+    index = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
+    corners = index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]
+    first, second, third, fourth = corners
+    faces = np.stack([first, second, third, first, third, fourth], axis=-1).reshape(-1, 3)
+    return Mesh(points.reshape(-1, 3), faces, np.full(len(faces), label, dtype=np.int64))
+
+
 def moved(mesh: Mesh, offset: ArrayLike) -> Mesh:
     """The mesh shifted by an offset (3,) in metres."""
     return mesh._replace(vertices=mesh.vertices + np.asarray(offset))
