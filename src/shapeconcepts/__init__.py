@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         describe,
         get_descriptor,
     )
+    from shapeconcepts.extraction import ExtractedObject, extract_objects
     from shapeconcepts.model import ShapeConceptModel, load_model
     from shapeconcepts.model_file import ModelError
     from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary, decompose
@@ -38,6 +39,7 @@ __all__ = [
     "Curvature",
     "DescribedObject",
     "Description",
+    "ExtractedObject",
     "Filtration",
     "Joint",
     "ModelError",
@@ -58,6 +60,7 @@ __all__ = [
     "datasets",
     "decompose",
     "describe",
+    "extract_objects",
     "get_descriptor",
     "load_model",
     "read_scan",
@@ -81,6 +84,7 @@ _NAMES_IN = {
         "describe",
         "get_descriptor",
     ),
+    "extraction": ("ExtractedObject", "extract_objects"),
     "model": ("ShapeConceptModel", "load_model"),
     "model_file": ("ModelError",),
     "motifs": ("MotifHierarchyEnsemble", "SegmentDictionary", "decompose"),

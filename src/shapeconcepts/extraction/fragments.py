@@ -1,0 +1,172 @@
+"""Visible parts of objects, and which of them are one object."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components as components_of_graph
+
+from shapeconcepts.extraction.component_kernels import (
+    connected_components,
+    contacts,
+    grow_components,
+    hidden_sides,
+    near_pairs,
+)
+from shapeconcepts.extraction.containment import contained_pairs
+from shapeconcepts.extraction.heights import Heights
+from shapeconcepts.extraction.hollow import hollow_pairs
+from shapeconcepts.extraction.pixel_grid import PixelGrid
+
+# Metres above the surface from which on something is tall: it does not end in the noise of the surface.
+TALL = 0.018
+# Metres between parts of one object, beside their noise.
+REACH = 0.012
+_FEWEST_NEAR = 6
+_NEAR_PIXELS = 3
+# Pixels of what is a part at all.
+_LEAST_TALL, _LEAST_LOW = 25, 15
+# Share of the border of something low along which it goes on as something tall.
+CONTACT = 0.25
+# Pixels by which a part is larger than what of it is beyond noise.
+_GROWTH = 4
+# Metres above the surface of what stands on nothing, and the share of its lower border that something hides.
+FLOATS = 0.04
+HIDDEN = 0.1
+_LEAST_ADJACENT = 12
+# Share of its upper border that something else hides.
+OVERHUNG = 0.5
+TRIM = 0.3
+# Pixels, share of its border, and metres of what is the floor of something.
+_LEAST_HOLE, _ENCLOSED, _LEAST_FLOOR = 40, 0.5, 0.0015
+
+
+def find_fragments(
+    grid: PixelGrid, heights: Heights, is_free: NDArray[np.bool_], noises: NDArray[np.float32]
+) -> tuple[NDArray[np.int32], int]:
+    """Number of the object that each pixel belongs to (h, w), -1 for none, and how many there are.
+
+    What is tall is one where its surface is connected, or near in space across a gap, or hollow (see
+    `hollow_pairs`), or where it would float without the other. What is low is a part of something tall if it
+    goes on as such along much of its border, such as the middle of a plate; else it is an object of its own,
+    such as a fork.
+
+    Parameters
+    ----------
+    grid : PixelGrid
+    heights : Heights
+    is_free : (h, w) bool
+        Points that belong to nothing else, such as a wall.
+    noises : (h, w) float32
+        Of the depth, metres.
+    """
+    points, distances, jumps = grid.points, grid.distances, grid.jumps
+    is_tall = is_free & (~heights.is_above | (heights.height > TALL))
+    numbers, n_tall = _components(is_tall, grid, _LEAST_TALL)
+    if n_tall:
+        near = (
+            near_pairs(numbers, n_tall, points, np.float32(REACH) + 2.0 * noises, _NEAR_PIXELS)
+            >= _FEWEST_NEAR
+        )
+        numbers, n_tall = _joined(numbers, n_tall, near)
+        everywhere = np.full(distances.shape, np.inf, np.float32)
+        adjacent = near_pairs(numbers, n_tall, points, everywhere, 2)
+        together = hollow_pairs(numbers, n_tall, adjacent, grid, heights)
+        together |= _overhung_pairs(numbers, n_tall, adjacent, grid)
+        together |= _floating_pairs(numbers, n_tall, adjacent, grid, heights)
+        numbers, n_tall = _joined(numbers, n_tall, together)
+    is_low = is_free & heights.is_high & ~is_tall
+    low, n_low = _components(is_low, grid, _LEAST_LOW)
+    if n_low:
+        counts, borders = contacts(low, n_low, numbers, max(n_tall, 1), distances, jumps)
+        goes_on = counts.max(axis=1) > CONTACT * borders
+        becomes = np.where(goes_on, counts.argmax(axis=1), n_tall + np.arange(n_low)).astype(np.int32)
+        numbers = np.where(low >= 0, becomes[low], numbers)
+    may_grow = (
+        is_free & heights.is_above & (heights.smooth > heights.low) & (heights.height > 0.5 * heights.low)
+    )
+    grow_components(numbers, may_grow, distances, jumps, _GROWTH)
+    _trim(numbers, n_tall, n_tall + n_low, heights)
+    _fill(numbers, n_tall + n_low, grid, heights)
+    return numbers, n_tall + n_low
+
+
+def _trim(numbers: NDArray[np.int32], first: int, stop: int, heights: Heights) -> None:
+    """End low objects, from the first on, in place, where the mean over a window is half of their height."""
+    own = (numbers >= first) & heights.is_high
+    of_object = numbers[own]
+    order = np.argsort(of_object, kind="stable")
+    ends = np.searchsorted(of_object[order], np.arange(first, stop + 1))
+    smooth = heights.smooth[own][order]
+    # The last one is for -1; an object of which nothing is high ends at once.
+    least = np.full(stop + 1, -np.inf, np.float32)
+    for number, (start, end) in enumerate(pairwise(ends), first):
+        least[number] = TRIM * np.median(smooth[start:end]) if end > start else np.inf
+    is_low = numbers >= first
+    numbers[is_low] = np.where(heights.smooth[is_low] < least[numbers[is_low]], -1, numbers[is_low])
+
+
+def _fill(numbers: NDArray[np.int32], n: int, grid: PixelGrid, heights: Heights) -> None:
+    """Give objects, in place, what is within them and above the surface, such as a plate's floor."""
+    is_open = (numbers < 0) & heights.is_above
+    holes, n_holes = _components(is_open, grid, _LEAST_HOLE)
+    if not n_holes or not n:
+        return
+    counts, borders = contacts(holes, n_holes, numbers, n, grid.distances, grid.jumps)
+    own = holes >= 0
+    sizes = np.bincount(holes[own], minlength=n_holes)
+    mean = np.bincount(holes[own], (heights.height + heights.level)[own], n_holes) / sizes
+    is_part = (counts.max(axis=1) > _ENCLOSED * borders) & (mean > _LEAST_FLOOR)
+    becomes = np.append(np.where(is_part, counts.argmax(axis=1), -1), -1).astype(np.int32)
+    numbers[own] = becomes[holes[own]]
+
+
+def _floating_pairs(
+    numbers: NDArray[np.int32], n: int, adjacent: NDArray[np.int64], grid: PixelGrid, heights: Heights
+) -> NDArray[np.bool_]:
+    """Parts that stand on nothing, with what they are beside in the image for the most part, (n, n) bool."""
+    together = np.zeros((n, n), bool)
+    lowest = np.full(n, np.inf)
+    own = numbers >= 0
+    np.minimum.at(lowest, numbers[own], np.where(heights.is_above[own], heights.height[own], 0.0))
+    hidden, sides = hidden_sides(numbers, n, grid.distances, grid.jumps, *_downwards(grid))
+    for one in np.flatnonzero((lowest > FLOATS) & (hidden < HIDDEN * sides)):
+        other = int(adjacent[one].argmax())
+        together[one, other] = together[other, one] = adjacent[one, other] >= _LEAST_ADJACENT
+    return together
+
+
+def _overhung_pairs(
+    numbers: NDArray[np.int32], n: int, adjacent: NDArray[np.int64], grid: PixelGrid
+) -> NDArray[np.bool_]:
+    """Parts whose upper border is hidden by what they stand within, such as a foot below a belly, (n, n)."""
+    down, right = _downwards(grid)
+    hidden, sides = hidden_sides(numbers, n, grid.distances, grid.jumps, -down, -right)
+    is_overhung = hidden > OVERHUNG * sides
+    beside = np.where(is_overhung[:, None] | is_overhung, adjacent, 0)
+    return contained_pairs(numbers, n, beside, grid)
+
+
+def _downwards(grid: PixelGrid) -> tuple[int, int]:
+    """The step to a neighbouring pixel, rows and columns, that leads down the most."""
+    step = (slice(None, None, 8), slice(None, None, 8))
+    some = grid.points[step]
+    down = float(np.nanmedian((some[1:] - some[:-1]) @ grid.up))
+    right = float(np.nanmedian((some[:, 1:] - some[:, :-1]) @ grid.up))
+    return (1 if down < 0 else -1, 0) if abs(down) > abs(right) else (0, 1 if right < 0 else -1)
+
+
+def _components(belongs: NDArray[np.bool_], grid: PixelGrid, fewest: int) -> tuple[NDArray[np.int32], int]:
+    """Connected components of so many pixels, see `connected_components`."""
+    numbers, n = connected_components(belongs, grid.distances, grid.jumps)
+    is_kept = np.bincount(numbers[numbers >= 0], minlength=n) >= fewest
+    # The last one is for -1.
+    becomes = np.append(np.where(is_kept, np.cumsum(is_kept) - 1, -1), -1).astype(np.int32)
+    return becomes[numbers], int(is_kept.sum())
+
+
+def _joined(numbers: NDArray[np.int32], n: int, together: NDArray[np.bool_]) -> tuple[NDArray[np.int32], int]:
+    n_joined, becomes = components_of_graph(together, directed=False)
+    return np.append(becomes, -1).astype(np.int32)[numbers], int(n_joined)
