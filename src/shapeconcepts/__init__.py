@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         describe,
         get_descriptor,
     )
+    from shapeconcepts.export import Export, export_scans
     from shapeconcepts.model import ShapeConceptModel, load_model
     from shapeconcepts.model_file import ModelError
     from shapeconcepts.motifs import MotifHierarchyEnsemble, SegmentDictionary, decompose
@@ -38,6 +39,7 @@ __all__ = [
     "Curvature",
     "DescribedObject",
     "Description",
+    "Export",
     "Filtration",
     "Joint",
     "ModelError",
@@ -58,6 +60,7 @@ __all__ = [
     "datasets",
     "decompose",
     "describe",
+    "export_scans",
     "get_descriptor",
     "load_model",
     "read_scan",
@@ -81,6 +84,7 @@ _NAMES_IN = {
         "describe",
         "get_descriptor",
     ),
+    "export": ("Export", "export_scans"),
     "model": ("ShapeConceptModel", "load_model"),
     "model_file": ("ModelError",),
     "motifs": ("MotifHierarchyEnsemble", "SegmentDictionary", "decompose"),
