@@ -109,7 +109,7 @@ def export(
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="OUT") from None
     except FileExistsError as error:
-        fail(f"{_reason(error, place)}: --force replaces it")
+        fail(f"{error.strerror or error}: --force replaces it")
     except OSError as error:
         fail(f"cannot write {place}: {_reason(error, place)}")
     paths = {"out": None if out is None else str(out), "rerun": None if rerun is None else str(rerun)}
@@ -130,7 +130,8 @@ def _is_within(path: Path, folder: Path) -> bool:
 
 
 def _reason(error: OSError, place: str) -> str:
-    return (error.strerror or str(error)).removeprefix(f"{place}: ")
+    reason = error.strerror or str(error)
+    return reason.removeprefix(f"{os.path.realpath(place)}: ")
 
 
 def _document(exported: Export) -> dict[str, Any]:

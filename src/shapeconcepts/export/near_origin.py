@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from shapeconcepts.geometry.origin import nearest_tile
 from shapeconcepts.scan import Scan, ScanError, measured_rows
 
 
 def near_origin(scan: Scan) -> tuple[Scan, tuple[float, float, float]]:
     """The points of a scan that were measured, moved near the origin where they are far away from it.
+
+    They are rounded as they will be when they are written: what is computed from them fits.
 
     Returns
     -------
@@ -26,6 +30,6 @@ def near_origin(scan: Scan) -> tuple[Scan, tuple[float, float, float]]:
         raise ScanError(f"{scan.name}: holds no point with finite x, y and z")
     origin = nearest_tile(points)
     viewpoint = None if scan.viewpoint is None else scan.viewpoint - origin
-    moved = Scan(points - origin, viewpoint, scan.name, scan.label)
+    moved = Scan((points - origin).astype(np.float32), viewpoint, scan.name, scan.label)
     x, y, z = origin.tolist()
     return moved, (x, y, z)

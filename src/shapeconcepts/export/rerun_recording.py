@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 # Of the time that the slider of the viewer is on.
 TIMELINE = "scan"
+# What so many scans give is on the disk within a second. Where the disk is full, the library waits for ever.
+_SCANS_AT_ONCE = 32
+_MOST_SECONDS = 20.0
 
 
 class RerunRecording:
@@ -73,6 +76,21 @@ class RerunRecording:
             if not np.isnan(response):
                 stream.log(["responses", title], rerun.Scalars([response]))
         self._n_recorded += 1
+        if self._n_recorded % _SCANS_AT_ONCE == 0:
+            self.flush()
+
+    def flush(self) -> None:
+        """Wait until all that was recorded is on the disk.
+
+        Raises
+        ------
+        OSError
+            If the disk refuses it.
+        """
+        try:
+            self._stream.flush(timeout_sec=_MOST_SECONDS)
+        except Exception as error:
+            raise OSError(f"the recording cannot be written ({error})") from error
 
 
 @contextmanager
@@ -95,11 +113,9 @@ def rerun_recording(path: Path, model: ShapeConceptModel, catalogue: Catalogue) 
         stream = rerun.RecordingStream("shapeconcepts", recording_id=secrets.token_hex(16))
         try:
             stream.save(temporary, default_blueprint=_blueprint())
-            yield RerunRecording(stream, model, catalogue)
-            try:
-                stream.flush()
-            except RuntimeError as error:
-                raise OSError(f"{path}: cannot be written ({error})") from error
+            recording = RerunRecording(stream, model, catalogue)
+            yield recording
+            recording.flush()
         finally:
             stream.disconnect()
         temporary.replace(path)

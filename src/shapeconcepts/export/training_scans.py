@@ -220,5 +220,5 @@ def _own_name(file: ScanFile, names: set[str], named: set[str]) -> str | None:
     if file.name in names:
         return file.name
     parts = file.path.parts
-    ends = ("/".join(parts[start:]) for start in range(len(parts)))
+    ends = [str(file.path), *("/".join(parts[start:]) for start in range(len(parts)))]
     return next((end for end in ends if end in names and end not in named), None)
