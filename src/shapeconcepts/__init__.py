@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         describe,
         get_descriptor,
     )
+    from shapeconcepts.export import Export, export_scans
     from shapeconcepts.extraction import ExtractedObject, extract_objects
     from shapeconcepts.model import ShapeConceptModel, load_model
     from shapeconcepts.model_file import ModelError
@@ -39,6 +40,7 @@ __all__ = [
     "Curvature",
     "DescribedObject",
     "Description",
+    "Export",
     "ExtractedObject",
     "Filtration",
     "Joint",
@@ -60,6 +62,7 @@ __all__ = [
     "datasets",
     "decompose",
     "describe",
+    "export_scans",
     "extract_objects",
     "get_descriptor",
     "load_model",
@@ -85,6 +88,7 @@ _NAMES_IN = {
         "get_descriptor",
     ),
     "extraction": ("ExtractedObject", "extract_objects"),
+    "export": ("Export", "export_scans"),
     "model": ("ShapeConceptModel", "load_model"),
     "model_file": ("ModelError",),
     "motifs": ("MotifHierarchyEnsemble", "SegmentDictionary", "decompose"),

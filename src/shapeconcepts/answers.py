@@ -214,6 +214,23 @@ class Answers(TransformerMixin):
             )
         return self.novelty_.p_values(distances, concepts, self._concept_of_object)
 
+    def training_p_values(self) -> NDArray[np.float64] | None:
+        """p-values of the training scans, each as if only the others were known; see `recognise`.
+
+        Returns
+        -------
+        (n,) float64 or None
+            NaN for a scan that was skipped. None where the ensemble is one of one's own.
+        """
+        check_is_fitted(self, "response_")
+        self.consolidate()
+        if self.novelty_ is None:
+            return None
+        p_values = np.full(len(self.labels_), np.nan)
+        is_object = ~np.isin(np.arange(len(self.labels_)), list(self.skipped_))
+        p_values[is_object] = self.novelty_.training_p_values(self._concept_of_object)
+        return p_values
+
     def explain(self, scan: object) -> Explanation:
         """Which motifs a scan fires, how strongly, which training scans they come from, and what is foreign.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import socket
 import sys
@@ -14,7 +15,7 @@ from time import sleep
 from typing import NoReturn
 
 INTERRUPTED = "Interrupted"
-# Files that are being written: they are removed at the end.
+# Files and folders that are being written: they are removed at the end.
 unfinished: set[Path] = set()
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -140,7 +141,10 @@ def _end(code: int, message: str = "") -> NoReturn:
         for path in list(unfinished):
             # What cannot be removed must not keep the process from its end.
             with suppress(OSError):
-                path.unlink(missing_ok=True)
+                if path.is_dir():
+                    shutil.rmtree(path)
+                else:
+                    path.unlink(missing_ok=True)
         if message:
             shown = _SHOW_CURSOR_ON_AN_EMPTY_LINE if os.isatty(2) else ""
             # The streams of Python may be in use.

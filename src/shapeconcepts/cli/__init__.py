@@ -13,6 +13,7 @@ from typer.core import TyperGroup
 from shapeconcepts.cli.doctor_command import doctor
 from shapeconcepts.cli.evaluate_command import evaluate
 from shapeconcepts.cli.explain_command import explain
+from shapeconcepts.cli.export_command import export
 from shapeconcepts.cli.info_command import info
 from shapeconcepts.cli.learn_command import learn
 from shapeconcepts.cli.respond_command import respond
@@ -137,6 +138,15 @@ app.command(
         "shapeconcepts watch recordings/ --model m.safetensors --once > answers.jsonl"
     )
 )(watch)
+app.command(
+    epilog=(
+        "Examples:\n\n"
+        "shapeconcepts export m.safetensors dataset/ --scans scans/\n\n"
+        "shapeconcepts export m.safetensors scans.csv --layout csv\n\n"
+        "shapeconcepts export m.safetensors kitti/ --layout semantic-kitti --scans scans/\n\n"
+        "shapeconcepts export m.safetensors --rerun scans.rrd --scans scans/"
+    )
+)(export)
 app.command()(doctor)
 
 

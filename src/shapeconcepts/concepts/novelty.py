@@ -93,12 +93,38 @@ class Novelty:
         concepts = np.asarray(concepts)
         for concept in np.unique(concepts):
             own = np.flatnonzero(concepts == concept)
-            members = self.distances[concept_of == concept]
-            known = np.sort(members if concept >= 0 and len(members) >= LEAST_MEMBERS else self.distances)
+            known = np.sort(self._known(concept, concept_of))
             n_as_far = len(known) - np.searchsorted(known, distances[own], side="left")
             p_values[own] = (1 + n_as_far) / (1 + len(known))
         p_values[np.isnan(distances)] = np.nan
         return p_values
+
+    def training_p_values(self, concept_of: NDArray[np.integer]) -> NDArray[np.float64]:
+        """p-values of the training objects, each as if only the others were known.
+
+        Parameters
+        ----------
+        concept_of : (n,) int
+            Concept of each training object, -1 for none.
+
+        Returns
+        -------
+        (n,) float64
+            At least 1 / the number of training objects compared with.
+        """
+        p_values = np.empty(len(self.distances))
+        for concept in np.unique(concept_of):
+            own = concept_of == concept
+            known = np.sort(self._known(concept, concept_of))
+            # The object itself, which is among the known ones, is the one that counts in any case.
+            n_as_far = len(known) - np.searchsorted(known, self.distances[own], side="left")
+            p_values[own] = n_as_far / len(known)
+        return p_values
+
+    def _known(self, concept: int, concept_of: NDArray[np.integer]) -> NDArray[np.float64]:
+        """Distances that a scan of a concept is ranked among."""
+        members = self.distances[concept_of == concept]
+        return members if concept >= 0 and len(members) >= LEAST_MEMBERS else self.distances
 
     @property
     def smallest_rate(self) -> float:

@@ -27,13 +27,17 @@ _INFINITE = re.compile(r"1\.#INF\w*", re.I)
 class Cloud(NamedTuple):
     """The content of a file, row by row as it stands there.
 
-    The viewpoint is what the file declares, None where nobody set it; notices are those of `Scan`.
+    The viewpoint is what the file declares, None where nobody set it; notices are those of `Scan`. Of an
+    image, there are its height and width; and the pixel of each point, row by row, or None where every pixel
+    has one.
     """
 
     points: NDArray[np.float64]
     viewpoint: NDArray[np.float64] | None = None
     point_labels: NDArray[np.int64] | None = None
     notices: tuple[str, ...] = ()
+    image_shape: tuple[int, int] | None = None
+    pixels: NDArray[np.int64] | None = None
 
 
 def without_mark(data: bytes) -> bytes:

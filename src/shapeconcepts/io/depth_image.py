@@ -94,7 +94,9 @@ def depth_cloud(
         points[:, 2] = z = depth[rows, columns].astype(np.float64) * depth_scale
         points[:, 0] = (columns - cx) / fx * z
         points[:, 1] = (rows - cy) / fy * z
-    return Cloud(points, np.zeros(3), None, _unusual_depth(float(np.median(z))))
+    pixels = rows * depth.shape[1] + columns
+    notices = _unusual_depth(float(np.median(z)))
+    return Cloud(points, np.zeros(3), None, notices, (depth.shape[0], depth.shape[1]), pixels)
 
 
 def _unusual_depth(median: float) -> tuple[str, ...]:

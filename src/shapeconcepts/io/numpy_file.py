@@ -29,7 +29,7 @@ def read_npy(data: bytes) -> Cloud:
     array = _array(data)
     labels, of_labels = labels_or_notice(lambda: _label_field(array))
     viewpoint, of_viewpoint = value_or_notice("a viewpoint", lambda: _viewpoint_fields(array))
-    return Cloud(_points(array), viewpoint, labels, of_viewpoint + of_labels)
+    return Cloud(_points(array), viewpoint, labels, of_viewpoint + of_labels, _image_shape(array))
 
 
 def depth_of_npy(data: bytes) -> NDArray | None:
@@ -85,7 +85,7 @@ def read_npz(data: bytes) -> Cloud:
 
     viewpoint, of_viewpoint = value_or_notice("a viewpoint", declared)
     labels, of_labels = labels_or_notice(labels_of_points)
-    return Cloud(points, viewpoint, labels, of_viewpoint + of_labels)
+    return Cloud(points, viewpoint, labels, of_viewpoint + of_labels, _image_shape(array))
 
 
 def _array(data: bytes | bytearray) -> NDArray:
@@ -130,6 +130,12 @@ def _points(array: NDArray) -> NDArray[np.float64]:
     array = array.reshape(-1, array.shape[-1])
     with np.errstate(over="ignore"):
         return np.ascontiguousarray(array[:, :3], dtype=np.float64)
+
+
+def _image_shape(array: NDArray) -> tuple[int, int] | None:
+    """Height and width of an array that has a point for each pixel; None for others."""
+    shape = array.shape if array.dtype.names else array.shape[:-1]
+    return (shape[0], shape[1]) if len(shape) == 2 else None
 
 
 def _check_shape(array: NDArray) -> None:

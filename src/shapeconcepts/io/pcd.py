@@ -53,6 +53,7 @@ class _Header(NamedTuple):
     point_size: int
     viewpoint: list[str]
     encoding: str
+    image_shape: tuple[int, int] | None
 
 
 def read_pcd(data: bytes) -> Cloud:
@@ -79,7 +80,7 @@ def read_pcd(data: bytes) -> Cloud:
         return position
 
     viewpoint, of_viewpoint = value_or_notice("a viewpoint", declared)
-    return Cloud(points, viewpoint, labels, of_viewpoint + of_labels)
+    return Cloud(points, viewpoint, labels, of_viewpoint + of_labels, header.image_shape)
 
 
 def _columns(data: bytes, body: int, header: _Header) -> Callable[[list[str]], list[NDArray]]:
@@ -153,7 +154,10 @@ def _checked_header(entries: dict[str, list[str]]) -> _Header:
     if encoding not in ENCODINGS:
         raise ScanError(f"DATA must be one of {', '.join(ENCODINGS)}, got {encoding!r}")
     viewpoint = entries.get("VIEWPOINT", ["0", "0", "0"])
-    return _Header(fields, _number_of_points(entries), column, offset, viewpoint, encoding)
+    n_points = _number_of_points(entries)
+    height = _number("HEIGHT", " ".join(entries["HEIGHT"])) if "HEIGHT" in entries else 1
+    image_shape = (height, n_points // height) if height > 1 and n_points % height == 0 else None
+    return _Header(fields, n_points, column, offset, viewpoint, encoding, image_shape)
 
 
 def _number_of_points(entries: dict[str, list[str]]) -> int:

@@ -31,11 +31,26 @@ def write_pcd(path: str | os.PathLike[str], scan: Scan) -> None:
         If the file cannot be written.
     """
     path = Path(path)
+    try:
+        content = pcd_content(scan)
+    except ScanError as error:
+        raise ScanError(f"{path}: {error}") from None
+    write_atomically(path, content)
+
+
+def pcd_content(scan: Scan) -> bytes:
+    """What `write_pcd` writes.
+
+    Raises
+    ------
+    ScanError
+        If a point label does not fit into uint32.
+    """
     fields = [("x", "<f4"), ("y", "<f4"), ("z", "<f4")]
     if scan.point_labels is not None:
         if len(scan) and not 0 <= scan.point_labels.min() <= scan.point_labels.max() < 2**32:
             raise ScanError(
-                f"{path}: point labels must be 0 to 2**32 - 1 in a PCD file, "
+                "point labels must be 0 to 2**32 - 1 in a PCD file, "
                 f"got {scan.point_labels.min()} to {scan.point_labels.max()}"
             )
         fields.append(("label", "<u4"))
@@ -58,4 +73,4 @@ def write_pcd(path: str | os.PathLike[str], scan: Scan) -> None:
         f"POINTS {len(scan)}\n"
         "DATA binary\n"
     )
-    write_atomically(path, header.encode("ascii") + rows.tobytes())
+    return header.encode("ascii") + rows.tobytes()
