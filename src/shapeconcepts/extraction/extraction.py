@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from shapeconcepts.extraction.background import is_background
 from shapeconcepts.extraction.component_kernels import flying_pixels
+from shapeconcepts.extraction.creases import have_creases
 from shapeconcepts.extraction.depth_noise import depth_noises
 from shapeconcepts.extraction.extracted_object import ExtractedObject
 from shapeconcepts.extraction.fragments import find_fragments
@@ -103,6 +104,7 @@ def _objects(
     of_point = np.where(pixels >= 0, numbers.ravel()[pixels], -1)
     of_point[~_is_seen(scene, grid, pixels)] = -1
     height, width = numbers.shape
+    creased = have_creases(numbers, n, grid)
     objects = []
     for number in np.flatnonzero(is_object):
         indices = np.flatnonzero(of_point == number)
@@ -111,7 +113,7 @@ def _objects(
         rows, columns = np.divmod(pixels[indices], width)
         box = int(columns.min()), int(rows.min()), int(columns.max()) + 1, int(rows.max()) + 1
         is_cut = box[0] == 0 or box[1] == 0 or box[2] == width or box[3] == height
-        objects.append((indices, box, is_cut))
+        objects.append((indices, box, is_cut, bool(creased[number])))
     objects.sort(key=lambda one: (one[1][0] + one[1][2], one[1]))
     points, labels = scene.points.reshape(-1, 3), scene.point_labels
     return [
@@ -126,10 +128,10 @@ def _objects(
             indices,
             box,
             is_cut,
-            False,
+            may_be_several,
             scene.time,
         )
-        for number, (indices, box, is_cut) in enumerate(objects)
+        for number, (indices, box, is_cut, may_be_several) in enumerate(objects)
     ]
 
 
@@ -137,6 +139,6 @@ def _is_seen(scene: Scene, grid: PixelGrid, pixels: NDArray[np.int64]) -> NDArra
     """Points that are on the surface that their pixel shows, (n,) bool: another may be in front of them."""
     if scene.is_organised:
         return pixels >= 0
-    distances = np.linalg.norm(scene.points.reshape(-1, 3) - grid.viewpoint, axis=1)
+    distances = np.linalg.norm(scene.points.reshape(-1, 3) - grid.origin - grid.viewpoint, axis=1)
     seen, jumps = grid.distances.ravel()[pixels], grid.jumps.ravel()[pixels]
     return np.asarray((pixels >= 0) & (distances - seen < jumps))

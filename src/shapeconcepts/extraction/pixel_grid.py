@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from shapeconcepts.extraction.component_kernels import distances_and_jumps
+from shapeconcepts.geometry.origin import nearest_tile
 from shapeconcepts.scan import ScanError, measured_rows
 from shapeconcepts.scene import Scene
 
@@ -33,14 +34,21 @@ _IN_FRONT, _IN_VIEW = 0.98, np.cos(np.radians(55.0))
 _ABOVE = 1.0
 
 
+# Metres.
+LARGEST = 1e9
+
+
 class PixelGrid(NamedTuple):
     """An organised scene.
 
     Attributes
     ----------
     points : (h, w, 3) float64
-        NaN where nothing was measured.
+        From `origin`; NaN where nothing was measured.
+    origin : (3,) float64
+        A point near them, in the frame of the scene.
     viewpoint : (3,) float64
+        From `origin`.
     pitch : float
         Angle between neighbouring pixels, radians.
     distances : (h, w) float32
@@ -54,6 +62,7 @@ class PixelGrid(NamedTuple):
     """
 
     points: NDArray[np.float64]
+    origin: NDArray[np.float64]
     viewpoint: NDArray[np.float64]
     pitch: float
     distances: NDArray[np.float32]
@@ -87,13 +96,21 @@ def scene_pixels(scene: Scene) -> ScenePixels:
     Raises
     ------
     ScanError
-        If nothing was measured.
+        If nothing was measured, or coordinates are too large to compute with.
     """
-    points = scene.points.reshape(-1, 3)
+    points, title = scene.points.reshape(-1, 3), scene.name or "scene"
     is_measured = measured_rows(points)
     if not is_measured.any():
-        raise ScanError(f"{scene.name or 'scene'}: none of its {len(points)} points is finite")
+        raise ScanError(f"{title}: none of its {len(points)} points is finite")
+    farthest = float(np.abs(points[is_measured]).max())
+    if scene.viewpoint is not None:
+        farthest = max(farthest, float(np.abs(scene.viewpoint).max()))
+    if farthest > LARGEST:
+        raise ScanError(f"{title}: coordinates up to {farthest:.3g}, expected metres (at most {LARGEST:.0e})")
+    # Far from the origin, squares would round.
+    origin = nearest_tile(points[is_measured])
     viewpoint, is_camera_frame = _viewpoint(scene, points[is_measured])
+    points, viewpoint = points - origin, viewpoint - origin
     shape = scene.points.shape[:2] if scene.is_organised else _image_shape(points, is_measured)
     if shape is not None:
         image = np.where(is_measured[:, None], points, np.nan).reshape(*shape, 3)
@@ -102,7 +119,7 @@ def scene_pixels(scene: Scene) -> ScenePixels:
     else:
         image, pixels, pitch = _projected(points, is_measured, viewpoint, is_camera_frame)
     distances, jumps = distances_and_jumps(image, viewpoint, pitch)
-    grid = PixelGrid(image, viewpoint, pitch, distances, jumps, is_camera_frame, np.zeros(3))
+    grid = PixelGrid(image, origin, viewpoint, pitch, distances, jumps, is_camera_frame, np.zeros(3))
     return ScenePixels(grid, pixels)
 
 

@@ -41,10 +41,9 @@ def draw_scene(scene: Scene, objects: Sequence[ExtractedObject]) -> Image.Image:
     grid, pixels = scene_pixels(scene)
     shade = _shade(grid.distances)
     image = np.repeat(shade[:, :, None], 3, axis=2)
-    numbers = np.full(shade.size, -1, np.int64)
+    numbers = np.full(shade.shape, -1, np.int64)
     for number, found in enumerate(objects):
-        numbers[pixels[found.indices]] = number
-    numbers = numbers.reshape(shade.shape)
+        numbers.ravel()[pixels[found.indices]] = number
     colours = colours_of(np.arange(len(objects))).astype(np.float64)
     own = numbers >= 0
     image[own] = (1.0 - _TINT) * image[own] + _TINT * colours[numbers[own]]

@@ -1,0 +1,111 @@
+"""Kernels of the extraction against slow ones and SciPy."""
+
+import numpy as np
+import pytest
+from scipy import ndimage
+
+from shapeconcepts.extraction.component_kernels import (
+    connected_components,
+    contacts,
+    flying_pixels,
+    grow_components,
+    near_pairs,
+)
+from shapeconcepts.extraction.height_kernels import window_means
+from shapeconcepts.extraction.planar_cells_kernels import cell_moments, fit_planes
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(0)
+
+
+def test_components_are_those_of_scipy_where_no_jump_parts_them(rng):
+    belongs = rng.random((40, 50)) < 0.6
+    numbers, n = connected_components(
+        belongs, np.ones(belongs.shape, np.float32), np.ones(belongs.shape, np.float32)
+    )
+    expected, n_expected = ndimage.label(belongs)
+    assert n == n_expected
+    assert np.array_equal(numbers, expected - 1)
+
+
+def test_a_jump_parts_components():
+    distances = np.array([[1.0, 1.0, 2.0, 2.0]], np.float32)
+    numbers, n = connected_components(np.ones((1, 4), bool), distances, np.full((1, 4), 0.5, np.float32))
+    assert n == 2
+    assert numbers.tolist() == [[0, 0, 1, 1]]
+
+
+def test_window_means_are_plain_means(rng):
+    values = rng.normal(size=(20, 23)).astype(np.float32)
+    values[rng.random(values.shape) < 0.3] = np.nan
+    limits = np.full(values.shape, 0.8, np.float32)
+    means = window_means(values, limits, 2)
+    for i, j in np.ndindex(values.shape):
+        window = values[max(i - 2, 0) : i + 3, max(j - 2, 0) : j + 3]
+        expected = np.nanmean(np.clip(window, -0.8, 0.8)) if np.isfinite(values[i, j]) else np.nan
+        assert means[i, j] == pytest.approx(expected, abs=1e-5, nan_ok=True)
+
+
+def test_planes_of_cells_are_those_of_eigenvectors(rng):
+    points = rng.normal(size=(16, 16, 3)) * (1.0, 0.7, 0.1) + (0.3, -0.2, 1.5)
+    points[rng.random((16, 16)) < 0.2] = np.nan
+    moments = cell_moments(points, 8)
+    planes, thickness = fit_planes(moments.reshape(-1, 10))
+    for cell, (plane, thick) in enumerate(zip(planes, thickness, strict=True)):
+        row, column = divmod(cell, 2)
+        own = points[8 * row : 8 * row + 8, 8 * column : 8 * column + 8].reshape(-1, 3)
+        own = own[np.isfinite(own[:, 0])]
+        values, vectors = np.linalg.eigh(np.cov(own.T, bias=True))
+        assert moments[row, column, 0] == len(own)
+        assert plane[:3] == pytest.approx(own.mean(axis=0))
+        assert abs(plane[3:] @ vectors[:, 0]) == pytest.approx(1.0, abs=1e-6)
+        assert thick == pytest.approx(np.sqrt(values[0]), rel=1e-6)
+
+
+def test_points_between_surfaces_fly():
+    distances = np.full((9, 9), 1.0, np.float32)
+    distances[:, 5:] = 2.0
+    distances[:, 4] = 1.5
+    distances[0, 0] = np.nan
+    flying = flying_pixels(distances, np.full((9, 9), 0.1, np.float32))
+    assert flying[:, 4].all()
+    assert not flying[:, 6:-1][1:-1].any()
+    assert not flying[1:-1, 1:3].any()
+
+
+def test_near_pairs_are_counted_both_ways(rng):
+    numbers = rng.integers(-1, 4, (12, 13)).astype(np.int32)
+    points = rng.random((12, 13, 3))
+    counts = near_pairs(numbers, 4, points, np.full((12, 13), 0.5, np.float32), 2)
+    expected = np.zeros((4, 4), int)
+    pixels = list(np.ndindex(12, 13))
+    for number, a in enumerate(pixels):
+        for b in pixels[number + 1 :]:
+            is_beside = abs(a[0] - b[0]) <= 2 and abs(a[1] - b[1]) <= 2
+            if not is_beside or numbers[a] < 0 or numbers[b] < 0 or numbers[a] == numbers[b]:
+                continue
+            if np.linalg.norm(points[a] - points[b]) < 0.5:
+                expected[numbers[a], numbers[b]] += 1
+                expected[numbers[b], numbers[a]] += 1
+    assert np.array_equal(counts, expected)
+
+
+def test_contacts_count_sides():
+    low = np.array([[0, 0, -1], [-1, 0, -1]], np.int32)
+    high = np.array([[-1, -1, 0], [1, -1, 0]], np.int32)
+    same = np.ones((2, 3), np.float32)
+    counts, borders = contacts(low, 1, high, 2, same, same)
+    assert counts.tolist() == [[2, 2]]
+    assert borders.tolist() == [4]
+
+
+def test_components_grow_by_so_many_pixels():
+    numbers = np.full((1, 9), -1, np.int32)
+    numbers[0, 0], numbers[0, 8] = 0, 1
+    same = np.ones((1, 9), np.float32)
+    may_grow = np.ones((1, 9), bool)
+    may_grow[0, 6] = False
+    grow_components(numbers, may_grow, same, same, 3)
+    assert numbers.tolist() == [[0, 0, 0, 0, -1, -1, -1, 1, 1]]
