@@ -175,6 +175,57 @@ def contacts(
 
 
 @kernel
+def grow_downwards(
+    numbers: NDArray[np.int32],
+    may_grow: NDArray[np.bool_],
+    points: NDArray[np.float64],
+    up: NDArray[np.float64],
+    reaches: NDArray[np.float32],
+) -> None:
+    """Let components grow, in place, into what is straight above or below a part of theirs; first come.
+
+    Parameters
+    ----------
+    numbers : (h, w) int32
+        Of components, -1 for none.
+    may_grow : (h, w) bool
+        Pixels that may belong to them.
+    points : (h, w, 3) float64
+    up : (3,) float64
+    reaches : (h, w) float32
+        Metres sideways from the point of the component as it was that growth has come from.
+    """
+    height, width = numbers.shape
+    waiting = np.empty(height * width, np.int64)
+    origins = np.empty(height * width, np.int64)
+    last = 0
+    for start in range(height * width):
+        if numbers[start // width, start % width] >= 0:
+            waiting[last], origins[last] = start, start
+            last += 1
+    first = 0
+    while first < last:
+        i, j = waiting[first] // width, waiting[first] % width
+        origin = origins[first]
+        first += 1
+        for step in range(4):
+            row, column = i + (step == 0) - (step == 1), j + (step == 2) - (step == 3)
+            if not (0 <= row < height and 0 <= column < width):
+                continue
+            if numbers[row, column] >= 0 or not may_grow[row, column]:
+                continue
+            along, squares = 0.0, 0.0
+            for axis in range(3):
+                difference = points[row, column, axis] - points[origin // width, origin % width, axis]
+                along += difference * up[axis]
+                squares += difference * difference
+            if squares - along * along < reaches[row, column] ** 2:
+                numbers[row, column] = numbers[i, j]
+                waiting[last], origins[last] = row * width + column, origin
+                last += 1
+
+
+@kernel
 def grow_components(
     numbers: NDArray[np.int32],
     may_grow: NDArray[np.bool_],

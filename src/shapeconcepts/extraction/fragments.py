@@ -12,6 +12,7 @@ from shapeconcepts.extraction.component_kernels import (
     connected_components,
     contacts,
     grow_components,
+    grow_downwards,
     hidden_sides,
     near_pairs,
 )
@@ -22,10 +23,14 @@ from shapeconcepts.extraction.pixel_grid import PixelGrid
 
 # Metres above the surface from which on something is tall: it does not end in the noise of the surface.
 TALL = 0.018
+# Of something tall, at least such a share is so many times as high.
+_WELL_TALL, _SHARE_WELL_TALL = 1.4, 0.1
 # Metres between parts of one object, beside their noise.
 REACH = 0.012
 _FEWEST_NEAR = 6
 _NEAR_PIXELS = 3
+# Metres sideways by which the foot of something tall is off the wall above it, beside noise.
+BASE = 0.01
 # Pixels of what is a part at all.
 _LEAST_TALL, _LEAST_LOW = 25, 15
 # Share of the border of something low along which it goes on as something tall.
@@ -66,6 +71,10 @@ def find_fragments(
     is_tall = is_free & (~heights.is_above | (heights.height > TALL))
     numbers, n_tall = _components(is_tall, grid, _LEAST_TALL)
     if n_tall:
+        is_hardly = _hardly_tall(numbers, n_tall, heights)
+        is_tall &= ~is_hardly[numbers]
+        numbers, n_tall = _components(is_tall, grid, _LEAST_TALL)
+    if n_tall:
         near = (
             near_pairs(numbers, n_tall, points, np.float32(REACH) + 2.0 * noises, _NEAR_PIXELS)
             >= _FEWEST_NEAR
@@ -78,12 +87,16 @@ def find_fragments(
         together |= _floating_pairs(numbers, n_tall, adjacent, grid, heights)
         numbers, n_tall = _joined(numbers, n_tall, together)
     is_low = is_free & heights.is_high & ~is_tall
+    with_foot = numbers.copy()
+    grow_downwards(with_foot, is_low, points, grid.up, np.float32(BASE) + 2.0 * noises)
     low, n_low = _components(is_low, grid, _LEAST_LOW)
     if n_low:
         counts, borders = contacts(low, n_low, numbers, max(n_tall, 1), distances, jumps)
         goes_on = counts.max(axis=1) > CONTACT * borders
         becomes = np.where(goes_on, counts.argmax(axis=1), n_tall + np.arange(n_low)).astype(np.int32)
         numbers = np.where(low >= 0, becomes[low], numbers)
+        # Something low that reaches from one to another does not have the feet of both.
+        numbers = np.where((low >= 0) & (with_foot >= 0), with_foot, numbers)
     may_grow = (
         is_free & heights.is_above & (heights.smooth > heights.low) & (heights.height > 0.5 * heights.low)
     )
@@ -91,6 +104,15 @@ def find_fragments(
     _trim(numbers, n_tall, n_tall + n_low, heights)
     _fill(numbers, n_tall + n_low, grid, heights)
     return numbers, n_tall + n_low
+
+
+def _hardly_tall(numbers: NDArray[np.int32], n: int, heights: Heights) -> NDArray[np.bool_]:
+    """Whether noise makes what is as high as the limit tall, (n + 1,) bool; the last one is for -1."""
+    own = (numbers >= 0) & heights.is_above
+    well_tall = np.bincount(numbers[own], heights.height[own] > _WELL_TALL * TALL, minlength=n)
+    others = np.bincount(numbers[(numbers >= 0) & ~heights.is_above], minlength=n)
+    sizes = np.bincount(numbers[own], minlength=n)
+    return np.append((others == 0) & (well_tall < _SHARE_WELL_TALL * sizes), False)
 
 
 def _trim(numbers: NDArray[np.int32], first: int, stop: int, heights: Heights) -> None:
