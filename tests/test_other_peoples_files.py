@@ -282,6 +282,10 @@ def test_other_units(tmp_path):
     write(tmp_path / "millimetres.xyz", table(1000 * BOX))
     write(tmp_path / "metres.xyz", table(BOX))
     result = run("segment", tmp_path)
+    assert "1 of 2 scans: millimetres.xyz has an extent of 199: taken as millimetres" in " ".join(
+        result.stderr.split()
+    )
+    result = run("segment", tmp_path, "--units", "m")
     assert "1 of 2 scans: millimetres.xyz is 202 m across: its coordinates may not be in metres" in " ".join(
         result.stderr.split()
     )
@@ -290,7 +294,7 @@ def test_other_units(tmp_path):
     assert not segment(right).notices
     assert run("segment", tmp_path / "millimetres.xyz", "--units", "mm").stderr == ""
     assert run("segment", tmp_path / "millimetres.xyz", "--units", "furlongs").exit_code == 2
-    with pytest.raises(ValueError, match="units must be one of m, cm, mm, in, ft or metres per unit"):
+    with pytest.raises(ValueError, match="units must be one of auto, m, cm, mm, in, ft or metres per unit"):
         read_scan(tmp_path / "metres.xyz", units=0)
 
 
@@ -309,7 +313,7 @@ def test_a_mesh_stands_upright_and_in_metres(tmp_path, up):
     lines += ["f " + " ".join(str(corner + 1) for corner in face) + "\n" for face in faces]
     path = write(tmp_path / "box.obj", "".join(lines))
     with pytest.raises(ScanError, match="which units tells"):
-        read_scan(path)
+        read_scan(path, units="m")
     scan = read_scan(path, units="mm", up=up)
     # The image of the sensor stands upright: y is down.
     extent = np.ptp(scan.points, axis=0)

@@ -307,7 +307,7 @@ def test_a_mesh_that_cannot_be_scanned_is_named_once(tmp_path):
     large = trimesh.Trimesh(VERTICES * 1000, TRIANGLES, process=False).export(file_type="stl")
     path.write_bytes(large)
     with pytest.raises(ScanError) as caught:
-        read_scan(path)
+        read_scan(path, units="m")
     assert str(caught.value).startswith(f"{path}: the mesh is ")
 
 

@@ -135,7 +135,7 @@ def test_wrong_number_of_previews_leaves_the_old_file(tmp_path):
     ("options", "told"),
     [
         ([], []),
-        (["--units", "m"], []),
+        (["--units", "auto"], []),
         (["--units", "mm", "--up", "y"], [["--units", "mm"], ["--up", "y"]]),
         (["--no-scenes", "--voxel-size", "0.004"], [["--scenes", "no"], ["--voxel-size", "0.004"]]),
         (

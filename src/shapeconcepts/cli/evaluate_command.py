@@ -84,7 +84,7 @@ def evaluate(
     intrinsics: Intrinsics = None,
     depth_scale: DepthScale = None,
     mask: Mask = None,
-    units: Units = "m",
+    units: Units = "auto",
     up: Up = None,
     report: Annotated[
         Path | None,

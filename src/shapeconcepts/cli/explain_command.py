@@ -73,7 +73,7 @@ def explain(
     intrinsics: Intrinsics = None,
     depth_scale: DepthScale = None,
     mask: Mask = None,
-    units: Units = "m",
+    units: Units = "auto",
     up: Up = None,
     as_json: Json = False,
 ) -> None:

@@ -151,7 +151,7 @@ def learn(
     intrinsics: Intrinsics = None,
     depth_scale: DepthScale = None,
     mask: Mask = None,
-    units: Units = "m",
+    units: Units = "auto",
     up: Up = None,
     jobs: Jobs = -1,
     cluster: Cluster = None,
@@ -251,7 +251,7 @@ def learn(
                 "--views": (views, None),
                 "--scenes": (None if scenes is None else "yes" if scenes else "no", None),
                 "--voxel-size": (voxel_size, None),
-                "--units": (units, "m"),
+                "--units": (units, "auto"),
                 "--up": (up, None),
             }
         )

@@ -35,7 +35,8 @@ Units = Annotated[
     str,
     typer.Option(
         metavar="UNIT",
-        help="Of the coordinates in clouds and meshes: m, cm, mm, in, ft, or metres per unit, as a number.",
+        help="Of the coordinates in clouds and meshes: m, cm, mm, in, ft, or metres per unit, as a number; "
+        "auto: millimetres where they can be nothing else, which is said, otherwise metres.",
     ),
 ]
 Up = Annotated[
@@ -166,13 +167,15 @@ def read_options(
     except ValueError as error:
         raise typer.BadParameter(str(error), param_hint="--depth-scale") from None
     try:
-        scale = metres_per_unit(units if units in METRES_PER_UNIT else float(units))
+        is_named = units == "auto" or units in METRES_PER_UNIT
+        scale = metres_per_unit(units if is_named else float(units))
     except ValueError:
         raise typer.BadParameter(
-            f"must be {', '.join(METRES_PER_UNIT)} or metres per unit, > 0, got {units!r}",
+            f"must be auto, {', '.join(METRES_PER_UNIT)} or metres per unit, > 0, got {units!r}",
             param_hint="--units",
         ) from None
-    return {"intrinsics": camera, "depth_scale": depth_scale, "mask": mask, "units": scale, "up": up}
+    unit = "auto" if scale is None else scale
+    return {"intrinsics": camera, "depth_scale": depth_scale, "mask": mask, "units": unit, "up": up}
 
 
 def scan_files(paths: list[Path], mask: Path | None) -> list[ScanFile]:

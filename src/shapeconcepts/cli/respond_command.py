@@ -83,7 +83,7 @@ def respond(
     intrinsics: Intrinsics = None,
     depth_scale: DepthScale = None,
     mask: Mask = None,
-    units: Units = "m",
+    units: Units = "auto",
     up: Up = None,
     jobs: Jobs = -1,
     strict: Strict = False,

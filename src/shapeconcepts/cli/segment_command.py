@@ -72,7 +72,7 @@ def segment(
     intrinsics: Intrinsics = None,
     depth_scale: DepthScale = None,
     mask: Mask = None,
-    units: Units = "m",
+    units: Units = "auto",
     up: Up = None,
     seed_size: Annotated[
         float | None,

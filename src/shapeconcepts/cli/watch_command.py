@@ -59,7 +59,7 @@ def watch(
     intrinsics: Intrinsics = None,
     depth_scale: DepthScale = None,
     mask: Mask = None,
-    units: Units = "m",
+    units: Units = "auto",
     up: Up = None,
 ) -> None:
     """Learn from scans as they come, and answer each with a line of JSON.

@@ -11,7 +11,10 @@ from shapeconcepts.geometry.normal_kernels import principal_component_normals
 from shapeconcepts.geometry.origin import nearest_tile
 from shapeconcepts.geometry.point_kernels import first_of_equals
 from shapeconcepts.parameters import check_length
+from shapeconcepts.preparation.closedness import is_seen_from_all_sides
+from shapeconcepts.preparation.hidden_points import visible_points
 from shapeconcepts.preparation.prepared_object import PreparedObject
+from shapeconcepts.preparation.rounded import rounding_notices
 from shapeconcepts.preparation.sensor_direction import estimate_viewpoint, orient_normals
 from shapeconcepts.preparation.stray_points import stray_points
 from shapeconcepts.preparation.unusual import unusual
@@ -29,7 +32,9 @@ LARGEST = 1e9
 def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject:
     """Average a scan over a voxel grid, drop stray points, and estimate normals.
 
-    What was not measured (see `measured_rows`) and copies of a point count nowhere.
+    What was not measured (see `measured_rows`) and copies of a point count nowhere. Of a complete cloud, seen
+    from all sides (see `is_seen_from_all_sides`), only what is visible from one place counts: from the
+    sensor's where it is known, else from where the surface is seen best.
 
     Normals come from a principal component analysis over a radius of 3 voxels. They point towards the sensor;
     where its position is unknown, towards where it most likely was (see `estimate_viewpoint`), and the
@@ -49,7 +54,8 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
     Raises
     ------
     ScanError
-        If the scan is none, has no finite point, or its coordinates or viewpoint are too far to compute with.
+        If the scan is none, has no finite point, its coordinates or viewpoint are too far to compute with, or
+        so far and rounded that they hold no shape.
     ValueError
         If `voxel_size` is neither "auto" nor a positive number.
     """
@@ -73,6 +79,7 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
     if scan.viewpoint is not None and np.abs(scan.viewpoint).max() > LARGEST:
         raise ScanError(f"{name}: viewpoint {scan.viewpoint.tolist()}, expected metres (at most 1e9)")
     origin = nearest_tile(points)
+    of_rounding = rounding_notices(points, name) if origin.any() else ()
     points = points - origin
     grid = voxel_grid(points, voxel_size) if isinstance(voxel_size, float) else adaptive_voxel_grid(points)
     neighbours = radius_neighbours(grid.points, NEIGHBOUR_RADIUS * grid.voxel_size)
@@ -90,6 +97,14 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
         viewpoint, _ = estimate_viewpoint(points, grid.points, normals)
     else:
         viewpoint = scan.viewpoint - origin
+    is_complete = is_seen_from_all_sides(grid, viewpoint)
+    if is_complete:
+        hidden = ~visible_points(grid.points, viewpoint)
+        stays = ~hidden[grid.point_to_voxel]
+        kept[kept] = stays
+        grid = _without(grid, hidden, stays)
+        neighbours = Neighbours(*restrict(*neighbours, ~hidden))
+        normals = principal_component_normals(grid.points, neighbours.indptr, neighbours.indices)
     point_to_voxel = np.full(len(scan.points), -1, np.int32)
     point_to_voxel[kept] = grid.point_to_voxel
     return PreparedObject(
@@ -101,7 +116,7 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
         viewpoint=scan.viewpoint,
         name=scan.name,
         label=scan.label,
-        notices=(*scan.notices, *unusual(grid, viewpoint)),
+        notices=(*scan.notices, *of_rounding, *unusual(grid, is_complete, scan.notices)),
     )
 
 

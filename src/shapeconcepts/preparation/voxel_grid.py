@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.geometry.canonical_frame import canonical_coordinates
+from shapeconcepts.geometry.extent import robust_extent
 from shapeconcepts.geometry.neighbour_kernels import ends_of_runs, keys_of
 from shapeconcepts.geometry.neighbours import sorting_order
 from shapeconcepts.geometry.point_kernels import centroid, sorted_by_cell
@@ -74,14 +75,6 @@ def adaptive_voxel_grid(points: NDArray[np.float64]) -> VoxelGrid:
         keys = cell_keys(coordinates, voxel_size)
         occupied = _count(keys)
     return _fill(points, keys, voxel_size)
-
-
-def robust_extent(coordinates: NDArray[np.float64]) -> float:
-    """Diagonal of the box around all but the outermost 2 % at each end, so that no far stray point counts."""
-    outside = len(coordinates) // 50
-    ranks = [outside, len(coordinates) - 1 - outside]
-    low, high = np.partition(coordinates, ranks, axis=0)[ranks]
-    return float(np.linalg.norm(high - low))
 
 
 def cell_keys(coordinates: NDArray[np.float64], voxel_size: float) -> NDArray[np.int64]:

@@ -22,12 +22,12 @@ _TURNS = {
 }
 
 
-def metres_per_unit(units: str | float) -> float:
-    """How long a unit is.
+def metres_per_unit(units: str | float) -> float | None:
+    """How long a unit is; None where the coordinates have to tell it.
 
     Parameters
     ----------
-    units : {"m", "cm", "mm", "in", "ft"} or float
+    units : {"auto", "m", "cm", "mm", "in", "ft"} or float
         Or metres per unit.
 
     Raises
@@ -35,12 +35,14 @@ def metres_per_unit(units: str | float) -> float:
     ValueError
         If it is neither a known name nor a positive number.
     """
+    if units == "auto":
+        return None
     if isinstance(units, str) and units in METRES_PER_UNIT:
         return METRES_PER_UNIT[units]
     if isinstance(units, Real) and not isinstance(units, bool) and 0.0 < float(units) < np.inf:
         return float(units)
     raise ValueError(
-        f"units must be one of {', '.join(METRES_PER_UNIT)} or metres per unit, > 0, got {units!r}"
+        f"units must be one of auto, {', '.join(METRES_PER_UNIT)} or metres per unit, > 0, got {units!r}"
     )
 
 

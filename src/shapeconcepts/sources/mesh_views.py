@@ -64,7 +64,7 @@ def views_of_file(file: ScanFile, n_views: int, **options: Unpack[ReadOptions]) 
         return []
     return [
         replace(view, name=f"{file.name}/{view_name(view)}", label=file.label, instance=file.name)
-        for view in read_views(file.path, n_views, units=options.get("units", "m"), up=options.get("up"))
+        for view in read_views(file.path, n_views, units=options.get("units", "auto"), up=options.get("up"))
     ]
 
 

@@ -36,6 +36,7 @@ from shapeconcepts.simulation.sensor import scan_mesh
 from shapeconcepts.simulation.views import views
 from shapeconcepts.sources.frame import Up, check_up, metres_per_unit, turned_upright
 from shapeconcepts.sources.other_formats import pointer_in, refusal_of_format
+from shapeconcepts.sources.units import unit_of_cloud, unit_of_mesh
 
 Viewpoint = ArrayLike | Literal["auto"] | None
 Content = TypeVar("Content")
@@ -57,8 +58,9 @@ _READERS: dict[str, Callable[[bytes], Cloud | Mesh]] = {
 }
 SCAN_SUFFIXES = (*_READERS, *DEPTH_SUFFIXES)
 MESH_SUFFIXES = (".ply", ".obj", ".stl", ".off", ".glb")
-# Where a format says which axis is upwards.
+# Where a format says which axis is upwards, and in which unit coordinates are.
 _UP_OF_FORMAT: dict[str, Up] = {".glb": "y"}
+_IN_METRES = (".glb",)
 
 
 class ReadOptions(TypedDict, total=False):
@@ -79,7 +81,7 @@ def read_scan(
     intrinsics: Intrinsics | None = None,
     mask: Mask | None = None,
     depth_scale: float | None = None,
-    units: str | float = "m",
+    units: str | float = "auto",
     up: Up | None = None,
 ) -> Scan:
     """Read one scan; the suffix of the file tells its format.
@@ -124,8 +126,10 @@ def read_scan(
         (in any colour channel; opacity does not count). Arrays of points have none.
     depth_scale : float, optional
         Of a depth image: metres per unit, by default 0.001 (millimetres) for whole numbers, 1 for others.
-    units : {"m", "cm", "mm", "in", "ft"} or float
-        Of the coordinates in clouds and meshes; or metres per unit.
+    units : {"auto", "m", "cm", "mm", "in", "ft"} or float
+        Of the coordinates in clouds and meshes; or metres per unit. "auto" takes them for millimetres where
+        they can be nothing else, else for metres, and says so where that is not what a sensor sees of an
+        object in metres; see `sources.units`. Coordinates in .glb are metres, as glTF has it.
     up : {"x", "y", "z", "-x", "-y", "-z"}, optional
         Of a mesh: the axis that points upwards, by default that of the format.
 
@@ -167,7 +171,7 @@ def read_scan_silently(path: str | PathLike[str], **options: Unpack[ReadOptions]
     intrinsics, mask = options.get("intrinsics"), options.get("mask")
     viewpoint, depth_scale = options.get("viewpoint", "auto"), options.get("depth_scale")
     check_camera(intrinsics, depth_scale)
-    scale = metres_per_unit(options.get("units", "m"))
+    scale = metres_per_unit(options.get("units", "auto"))
     check_up(options.get("up"))
     if mask is not None and suffix not in (*DEPTH_SUFFIXES, ".npy"):
         raise ValueError(f"mask is for depth images ({' '.join(DEPTH_SUFFIXES)}), got one for {path}")
@@ -190,7 +194,7 @@ def read_scan_silently(path: str | PathLike[str], **options: Unpack[ReadOptions]
 
 
 def read_views(
-    path: str | PathLike[str], n_views: int, *, units: str | float = "m", up: Up | None = None
+    path: str | PathLike[str], n_views: int, *, units: str | float = "auto", up: Up | None = None
 ) -> list[Scan]:
     """Scans of a mesh from sides spread over the sphere around it, see `datasets.views`.
 
@@ -225,19 +229,23 @@ def read_views(
         content = _read(path, lambda: _READERS[suffix](data))
         if isinstance(content, Cloud):
             return []
-        vertices = _upright(content, suffix, up) * scale
-        return views(vertices, content.faces, n_views, name=str(path))
+        vertices, notices = _placed(content, suffix, scale, up)
+        return [
+            replace(view, notices=notices) for view in views(vertices, content.faces, n_views, name=str(path))
+        ]
 
 
-def _scan(path: Path, content: Cloud | Mesh, scale: float, up: Up | None) -> Scan:
-    if isinstance(content, Mesh):
-        vertices = _upright(content, path.suffix.lower(), up) * scale
-        return scan_mesh(vertices, content.faces, random_state=0, name=str(path))
-    cloud = content
+def _scan(path: Path, cloud: Cloud | Mesh, scale: float | None, up: Up | None) -> Scan:
+    if isinstance(cloud, Mesh):
+        vertices, notices = _placed(cloud, path.suffix.lower(), scale, up)
+        return replace(scan_mesh(vertices, cloud.faces, random_state=0, name=str(path)), notices=notices)
+    if scale is None:
+        scale, notices = unit_of_cloud(cloud.points, cloud.viewpoint)
+        cloud = cloud._replace(notices=(*cloud.notices, *notices))
     if scale != 1.0:
         with np.errstate(over="ignore"):
-            viewpoint = None if content.viewpoint is None else content.viewpoint * scale
-            cloud = content._replace(points=content.points * scale, viewpoint=viewpoint)
+            viewpoint = None if cloud.viewpoint is None else cloud.viewpoint * scale
+            cloud = cloud._replace(points=cloud.points * scale, viewpoint=viewpoint)
     return _scan_of_cloud(path, cloud, viewpoint_of(cloud.points, cloud.viewpoint))
 
 
@@ -249,8 +257,14 @@ def _scan_of_cloud(path: Path, cloud: Cloud, viewpoint: np.ndarray | None) -> Sc
     return Scan(cloud.points, viewpoint, str(path), point_labels=cloud.point_labels, notices=cloud.notices)
 
 
-def _upright(mesh: Mesh, suffix: str, up: Up | None) -> np.ndarray:
-    return turned_upright(mesh.vertices, up or _UP_OF_FORMAT.get(suffix, "z"))
+def _placed(
+    mesh: Mesh, suffix: str, scale: float | None, up: Up | None
+) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Vertices in metres, z upwards, and what there is to say of their unit."""
+    notices: tuple[str, ...] = ()
+    if scale is None:
+        scale, notices = (1.0, ()) if suffix in _IN_METRES else unit_of_mesh(mesh.vertices)
+    return turned_upright(mesh.vertices, up or _UP_OF_FORMAT.get(suffix, "z")) * scale, notices
 
 
 def _read(path: Path, read: Callable[[], Content]) -> Content:
