@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from shapeconcepts.scan import Scan, ScanError, ScanWarning
     from shapeconcepts.scene import Scene
     from shapeconcepts.segmentation import SegmentedObject, Segmenter, segment
-    from shapeconcepts.sources import read_scan, read_scans
+    from shapeconcepts.sources import read_scan, read_scans, read_scene
     from shapeconcepts.topology import TopologicalSpace
 
 __all__ = [
@@ -68,6 +68,7 @@ __all__ = [
     "load_model",
     "read_scan",
     "read_scans",
+    "read_scene",
     "segment",
 ]
 
@@ -95,7 +96,7 @@ _NAMES_IN = {
     "scan": ("Scan", "ScanError", "ScanWarning"),
     "scene": ("Scene",),
     "segmentation": ("SegmentedObject", "Segmenter", "segment"),
-    "sources": ("read_scan", "read_scans"),
+    "sources": ("read_scan", "read_scans", "read_scene"),
     "topology": ("TopologicalSpace",),
 }
 _PACKAGES = ("datasets", "evaluation", "io", "preparation", "recordings", "report", "simulation", *_NAMES_IN)

@@ -14,6 +14,7 @@ from shapeconcepts.cli.doctor_command import doctor
 from shapeconcepts.cli.evaluate_command import evaluate
 from shapeconcepts.cli.explain_command import explain
 from shapeconcepts.cli.export_command import export
+from shapeconcepts.cli.extract_command import extract
 from shapeconcepts.cli.info_command import info
 from shapeconcepts.cli.learn_command import learn
 from shapeconcepts.cli.respond_command import respond
@@ -84,6 +85,13 @@ app.command(
         "shapeconcepts learn --model demo.safetensors --report demo.html"
     )
 )(learn)
+app.command(
+    epilog=(
+        "Examples:\n\n"
+        "shapeconcepts extract scenes/ objects/\n\n"
+        "shapeconcepts extract kitchen.mcap objects/ --topic /camera/depth/points --every 30"
+    )
+)(extract)
 app.command(
     epilog=(
         "Examples:\n\n"

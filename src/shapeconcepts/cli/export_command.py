@@ -70,7 +70,7 @@ def export(
     intrinsics: Intrinsics = None,
     depth_scale: DepthScale = None,
     mask: Mask = None,
-    units: Units = "m",
+    units: Units = "auto",
     up: Up = None,
     as_json: Json = False,
 ) -> None:

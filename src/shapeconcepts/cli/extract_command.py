@@ -26,7 +26,6 @@ from shapeconcepts.cli.terminal import fail, progress, say, say_notices, say_ski
 
 if TYPE_CHECKING:
     from shapeconcepts.extraction import ExtractedObject
-    from shapeconcepts.scan import ScanError
     from shapeconcepts.scene import Scene
     from shapeconcepts.sources.collection import ScanFile
     from shapeconcepts.sources.reader import ReadOptions
@@ -118,8 +117,8 @@ def extract(
         typer.Argument(
             metavar="SOURCE... OUT",
             show_default=False,
-            help="Scenes: point clouds and depth images, or folders of them; or recordings: rosbags, .mcap and "
-            ".db3 (extra `recordings`). Last, the folder to write to, which is made if need be.",
+            help="Scenes: point clouds and depth images, or folders of them; or recordings: rosbags, .mcap "
+            "and .db3 (extra `recordings`). Last, the folder to write to, which is made if need be.",
         ),
     ],
     topic: Annotated[
@@ -151,7 +150,7 @@ def extract(
     ] = True,
     intrinsics: Intrinsics = None,
     depth_scale: DepthScale = None,
-    units: Units = "m",
+    units: Units = "auto",
     jobs: Jobs = -1,
     force: Annotated[bool, typer.Option("--force", help="Write into a folder that holds something.")] = False,
     strict: Strict = False,
@@ -159,10 +158,10 @@ def extract(
 ) -> None:
     """Take scenes apart: a scan for each object that stands on a table, a board or the floor.
 
-    Into OUT come the objects as PCD files, named by their scene and their number from left to right; a picture
-    of each scene, with the objects outlined; and objects.csv: scene, time, pixels, position of the sensor,
-    whether the border of the image cuts it, and whether it may be several objects that touch. A sub-folder's
-    name stays the label of its scenes' objects. OUT is what `learn` and `respond` take.
+    Into OUT come the objects as PCD files, named by their scene and their number from left to right; a
+    picture of each scene, with the objects outlined; and objects.csv: scene, time, pixels, position of the
+    sensor, whether the border of the image cuts it, and whether it may be several objects that touch. A
+    sub-folder's name stays the label of its scenes' objects. OUT is what `learn` and `respond` take.
 
     Scenes that cannot be read are skipped and listed at the end, as are those in which nothing was found. The
     exit code is 0 if an object was found, 1 if not, and 2 if the command line is wrong.

@@ -21,6 +21,7 @@ from shapeconcepts.cli.object_reader import (
 )
 from shapeconcepts.cli.options import (
     DepthScale,
+    Extract,
     Granularity,
     Intrinsics,
     Jobs,
@@ -148,6 +149,7 @@ def learn(
     voxel_size: VoxelSize = None,
     views: Views = None,
     scenes: Scenes = None,
+    extract: Extract = False,
     intrinsics: Intrinsics = None,
     depth_scale: DepthScale = None,
     mask: Mask = None,
@@ -228,6 +230,7 @@ def learn(
         segmenter=learner.segmenter or Segmenter(),
         descriptor=learner.descriptor,
         scenes=scenes,
+        extract=extract,
         cache=cache,
         descriptions=descriptions_beside(cache),
         make_preview=report is not None,
@@ -250,6 +253,7 @@ def learn(
                 "--mask": (mask, None),
                 "--views": (views, None),
                 "--scenes": (None if scenes is None else "yes" if scenes else "no", None),
+                "--extract": ("yes" if extract else None, None),
                 "--voxel-size": (voxel_size, None),
                 "--units": (units, "auto"),
                 "--up": (up, None),

@@ -71,6 +71,8 @@ class ObjectReader:
     descriptor : str or Descriptor
     scenes : bool or None
         Whether point clouds are labelled scenes; None: those whose labels look like it.
+    extract : bool
+        Whether files are scenes, whose objects are found.
     cache : SegmentCache, optional
     descriptions : DescriptionCache, optional
         Beside it.
@@ -86,6 +88,7 @@ class ObjectReader:
     segmenter: Segmenter
     descriptor: str | Descriptor
     scenes: bool | None = None
+    extract: bool = False
     cache: SegmentCache | None = None
     descriptions: DescriptionCache | None = None
     keep_segmented: bool = False
@@ -125,7 +128,26 @@ class ObjectReader:
             return [source]
         if isinstance(source, SimulatedObject):
             return [simulate_scan(source.category, source.index)]
+        if self.extract:
+            return self._extracted(source)
         return objects_of_file(source, self.scenes, self.n_views, **self.reading)
+
+    def _extracted(self, file: ScanFile) -> list[Scan]:
+        from shapeconcepts.extraction import extract_objects
+        from shapeconcepts.scan import ScanError
+        from shapeconcepts.sources.collection import mask_of
+        from shapeconcepts.sources.file_objects import category_folder
+        from shapeconcepts.sources.osd import scene_category
+        from shapeconcepts.sources.scene_files import read_scene
+
+        if file.failure:
+            raise ScanError(f"{file.path}: {file.failure}")
+        reading: ReadOptions = {**self.reading, "mask": mask_of(file, self.reading)}
+        found = extract_objects(read_scene(file.path, **reading))
+        if not found:
+            raise ScanError(f"{file.path}: holds no object that stands on something that can be seen")
+        label = category_folder(file) or scene_category(file.path.stem)
+        return [replace(one.scan, label=label) for one in found]
 
     def _segment(self, scan: Scan) -> ReadObject:
         from shapeconcepts.scan import ScanError, scan_errors
@@ -243,7 +265,7 @@ class ObjectReader:
         options = ("intrinsics", "depth_scale", "units", "up")
         reading = tuple(self.reading.get(option) for option in options)
         # The suffix tells how the file is read; a file that was found in a folder may be no scan.
-        way = (source.path.suffix.lower(), source.is_found, self.scenes, self.n_views)
+        way = (source.path.suffix.lower(), source.is_found, self.scenes, self.extract, self.n_views)
         parameters = (way, reading, self._segmentation)
         return self.cache.key(content, parameters)
 

@@ -83,6 +83,14 @@ Scenes = Annotated[
         show_default="where the labels look like that",
     ),
 ]
+Extract = Annotated[
+    bool,
+    typer.Option(
+        "--extract",
+        help="Files are scenes: what stands on a table, a board or the floor in them is found, and each "
+        "object is a scan, as by the command `extract`.",
+    ),
+]
 Jobs = Annotated[
     int,
     typer.Option(

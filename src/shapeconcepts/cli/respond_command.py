@@ -14,6 +14,7 @@ from shapeconcepts.cli.model_input import object_reader, one_thread, read_model
 from shapeconcepts.cli.object_reader import ReadObject, read_objects
 from shapeconcepts.cli.options import (
     DepthScale,
+    Extract,
     Granularity,
     Intrinsics,
     Jobs,
@@ -80,6 +81,7 @@ def respond(
         ),
     ] = None,
     scenes: Scenes = None,
+    extract: Extract = False,
     intrinsics: Intrinsics = None,
     depth_scale: DepthScale = None,
     mask: Mask = None,
@@ -111,7 +113,7 @@ def respond(
             learned = learned.at_granularity(granularity)
         except ValueError as error:
             raise typer.BadParameter(str(error), param_hint="--granularity") from None
-    reader = object_reader(learned, reading, scenes)
+    reader = object_reader(learned, reading, scenes, extract=extract)
     writer = response_writer(form, learned, output)
     skipped: list[tuple[str, str]] = []
     notices: list[tuple[str, str]] = []

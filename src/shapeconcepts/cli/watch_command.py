@@ -56,6 +56,7 @@ def watch(
         bool, typer.Option("--once", help="End when the scans that are there are answered.")
     ] = False,
     scenes: Scenes = None,
+    extract: Extract = False,
     intrinsics: Intrinsics = None,
     depth_scale: DepthScale = None,
     mask: Mask = None,
@@ -78,7 +79,7 @@ def watch(
     learned = read_model(model)
     known, cache = known_scans(learned), user_cache()
     reader = replace(
-        object_reader(learned, reading, scenes, n_occlusions=learned.ensemble_.n_occlusions),
+        object_reader(learned, reading, scenes, extract=extract, n_occlusions=learned.ensemble_.n_occlusions),
         cache=cache,
         descriptions=descriptions_beside(cache),
     )

@@ -7,6 +7,7 @@ from shapeconcepts.sources.mesh_views import load_views
 from shapeconcepts.sources.oscd import load_oscd, split_of
 from shapeconcepts.sources.osd import load_osd
 from shapeconcepts.sources.reader import SCAN_SUFFIXES, read_scan
+from shapeconcepts.sources.scene_files import read_scene
 from shapeconcepts.sources.washington import PAPER_CATEGORIES, load_washington
 
 __all__ = [
@@ -24,5 +25,6 @@ __all__ = [
     "load_washington",
     "read_scan",
     "read_scans",
+    "read_scene",
     "split_of",
 ]

@@ -167,30 +167,39 @@ def read_scan(
 
 def read_scan_silently(path: str | PathLike[str], **options: Unpack[ReadOptions]) -> Scan:
     """As `read_scan`, without warnings: they are the scan's notices."""
-    path, suffix = Path(path), Path(path).suffix.lower()
-    intrinsics, mask = options.get("intrinsics"), options.get("mask")
-    viewpoint, depth_scale = options.get("viewpoint", "auto"), options.get("depth_scale")
-    check_camera(intrinsics, depth_scale)
-    scale = metres_per_unit(options.get("units", "auto"))
-    check_up(options.get("up"))
-    if mask is not None and suffix not in (*DEPTH_SUFFIXES, ".npy"):
-        raise ValueError(f"mask is for depth images ({' '.join(DEPTH_SUFFIXES)}), got one for {path}")
+    path, viewpoint = Path(path), options.get("viewpoint", "auto")
     position = None if isinstance(viewpoint, str) or viewpoint is None else _checked_position(viewpoint)
     if isinstance(viewpoint, str) and viewpoint != "auto":
         raise ValueError(f'viewpoint must be "auto", 3 numbers or None, got {viewpoint!r}')
+    content = read_content(path, **options)
+    with scan_errors(str(path), "read"):
+        scan = _scan(path, content, metres_per_unit(options.get("units", "auto")), options.get("up"))
+    return scan if isinstance(viewpoint, str) else replace(scan, viewpoint=position)
 
+
+def read_content(path: Path, **options: Unpack[ReadOptions]) -> Cloud | Mesh:
+    """What is in a file, in its own units; errors are those of `read_scan`."""
+    suffix, intrinsics, mask = path.suffix.lower(), options.get("intrinsics"), options.get("mask")
+    depth_scale = options.get("depth_scale")
+    check_camera(intrinsics, depth_scale)
+    metres_per_unit(options.get("units", "auto"))
+    check_up(options.get("up"))
+    if mask is not None and suffix not in (*DEPTH_SUFFIXES, ".npy"):
+        raise ValueError(f"mask is for depth images ({' '.join(DEPTH_SUFFIXES)}), got one for {path}")
     with scan_errors(str(path), "read"):
         data = _content(path, suffix)
         depths = None if intrinsics is None or suffix != ".npy" else _read(path, lambda: depth_of_npy(data))
         if suffix in DEPTH_SUFFIXES:
-            cloud = _read(path, lambda: read_depth_image(data, intrinsics, mask, depth_scale))
-            scan = _scan_of_cloud(path, cloud, cloud.viewpoint)
-        elif depths is not None and intrinsics is not None:
-            cloud = _read(path, lambda: depth_cloud(depths, intrinsics, mask, depth_scale, len(data)))
-            scan = _scan_of_cloud(path, cloud, cloud.viewpoint)
-        else:
-            scan = _scan(path, _read(path, lambda: _READERS[suffix](data)), scale, options.get("up"))
-    return scan if isinstance(viewpoint, str) else replace(scan, viewpoint=position)
+            return _read(path, lambda: read_depth_image(data, intrinsics, mask, depth_scale))
+        if depths is not None and intrinsics is not None:
+            return _read(path, lambda: depth_cloud(depths, intrinsics, mask, depth_scale, len(data)))
+        return _read(path, lambda: _READERS[suffix](data))
+
+
+def scan_of_cloud(path: Path, cloud: Cloud, **options: Unpack[ReadOptions]) -> Scan:
+    """The scan that a file's cloud is, see `read_scan`; points stay in their order."""
+    with scan_errors(str(path), "read"):
+        return _scan(path, cloud, metres_per_unit(options.get("units", "auto")), options.get("up"))
 
 
 def read_views(

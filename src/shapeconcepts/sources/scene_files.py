@@ -13,11 +13,11 @@ from shapeconcepts.io.cloud import Cloud
 from shapeconcepts.io.mesh import Mesh
 from shapeconcepts.scan import ScanError
 from shapeconcepts.scene import Scene
-from shapeconcepts.sources.reader import ReadOptions, read_content, scan_of_content
+from shapeconcepts.sources.reader import ReadOptions, read_content, scan_of_cloud
 
 
 def read_scene(path: str | PathLike[str], **options: Unpack[ReadOptions]) -> Scene:
-    """Read a scene, a file with several objects among other things; see `read_scan` for formats and parameters.
+    """Read a scene: several objects among other things, in a file of any format of `read_scan`.
 
     Clouds that are stored as the pixels of an image, and depth images, stay organised.
 
@@ -44,7 +44,7 @@ def read_scene(path: str | PathLike[str], **options: Unpack[ReadOptions]) -> Sce
     content = read_content(path, **options)
     if isinstance(content, Mesh):
         raise ScanError(f"{path}: is a mesh, and scenes are point clouds or depth images")
-    scan = scan_of_content(path, content, **options)
+    scan = scan_of_cloud(path, content, **options)
     return Scene(
         _organised(scan.points, content, np.nan),
         scan.viewpoint,
