@@ -16,7 +16,7 @@ from shapeconcepts.cli.concept_summary import concept_title
 from shapeconcepts.cli.learning_on import Known, is_new, known_scans, say_update
 from shapeconcepts.cli.model_input import object_reader, one_thread, read_model
 from shapeconcepts.cli.object_reader import ObjectReader
-from shapeconcepts.cli.options import DepthScale, Intrinsics, Mask, Scenes, Units, Up, read_options
+from shapeconcepts.cli.options import DepthScale, Extract, Intrinsics, Mask, Scenes, Units, Up, read_options
 from shapeconcepts.cli.terminal import check_writable, fail, say, tell
 from shapeconcepts.cli.user_caches import descriptions_beside, user_cache
 from shapeconcepts.printable import encodable
