@@ -43,6 +43,7 @@ COMMANDS = (
     "extraction.py osd",
     "extraction.py simulated --seed 800",
     "extraction.py time",
+    "extraction.py learn",
     "jobs.py",
     "learn.py",
     "report.py",

@@ -3,6 +3,7 @@
     python benchmarks/extraction.py osd [FOLDER]
     python benchmarks/extraction.py simulated [--seed S] [--scenes N]
     python benchmarks/extraction.py time [FOLDER] [--repeats N]
+    python benchmarks/extraction.py learn [FOLDER]
 
 `osd` takes the labelled scenes in FOLDER, by default ../shared/data/osd_learn beside the repository, and
 hides the labels. `simulated` takes the first N scenes of a seed. An object is found if a predicted one has an
@@ -15,7 +16,9 @@ object, in real ones those with visible points so near. *Left together* are obje
 holds with others, *and said* those where it tells that it may be several. Rows of all objects count all that
 was predicted; others what lies for the most part on one of their objects.
 
-`time` is the median time of a whole scene, all methods in turns; kernels are warm.
+`time` is the median time of a whole scene, all methods in turns; kernels are warm. "and responses" adds those
+of a model to all of its objects, one after the other. `learn` learns concepts from the objects that are found
+in the scenes of FOLDER, and from the annotated ones; the labels of both are those of their scenes.
 """
 
 import os
@@ -25,6 +28,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "2")
 import time
 from argparse import Namespace
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -33,6 +37,7 @@ import numpy as np
 import shapeconcepts as sc
 from common import add_folder, command, percent, print_table
 from shapeconcepts import Scene, datasets
+from shapeconcepts.evaluation import grouping_scores
 from shapeconcepts.evaluation.object_detection import match_objects, touching_objects
 from shapeconcepts.sources.osd import scene_category
 
@@ -145,7 +150,12 @@ def show(scenes: Iterable[AnnotatedScene]) -> None:
 
 def show_times(options: Namespace) -> None:
     scenes = [annotated.without_truth() for annotated in osd_scenes(options.folder)]
-    methods = extractors()
+    model = sc.ShapeConceptModel().fit([one.scan for scene in scenes for one in sc.extract_objects(scene)])
+
+    def with_responses(scene: Scene) -> list[Any]:
+        return [model.recognise([one.scan]) for one in sc.extract_objects(scene)]
+
+    methods = {**extractors(), "shapeconcepts, and responses": with_responses}
     taken: dict[str, list[float]] = {name: [] for name in methods}
     for method in methods.values():
         method(scenes[0])
@@ -159,6 +169,23 @@ def show_times(options: Namespace) -> None:
     print_table(("a scene of 640 x 480, ms", "median", "largest"), rows)
 
 
+def show_learned(options: Namespace) -> None:
+    """Concepts of what was found beside those of what was annotated."""
+    annotated = datasets.load_osd(options.folder)
+    found = [
+        replace(one.scan, label=scene_category(scene.scene.name))
+        for scene in osd_scenes(options.folder)
+        for one in sc.extract_objects(scene.without_truth())
+    ]
+    rows = []
+    for title, scans in (("annotated", annotated), ("found", found)):
+        model = sc.ShapeConceptModel().fit(scans)
+        scores = grouping_scores(model.labels_, np.array([scan.label for scan in scans]))
+        values = (scores.explained, scores.adjusted_mutual_information)
+        rows.append((title, len(scans), len(model.concepts_), *(f"{value:.3f}" for value in values)))
+    print_table(("objects", "", "concepts", "explained", "AMI"), rows)
+
+
 def main() -> None:
     parser = command(__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
@@ -169,8 +196,11 @@ def main() -> None:
     timed = commands.add_parser("time")
     add_folder(timed, "osd_learn")
     timed.add_argument("--repeats", type=int, default=3, metavar="N")
+    add_folder(commands.add_parser("learn"), "osd_learn")
     options = parser.parse_args()
-    if options.command == "osd":
+    if options.command == "learn":
+        show_learned(options)
+    elif options.command == "osd":
         show(osd_scenes(options.folder))
     elif options.command == "simulated":
         show(simulated_scenes(options.scenes, options.seed))

@@ -6,13 +6,15 @@ from __future__ import annotations
 _CLOUDS = "save it as .ply or .pcd, for example with CloudCompare or PDAL"
 _MESHES = "save it as .obj, .ply, .stl or .glb, for example with Blender"
 _RECORDINGS = "export its clouds or depth images first"
+_ROS_RECORDINGS = "`shapeconcepts extract` finds the objects in it"
 _OTHERS = {
     **dict.fromkeys((".las", ".laz", ".e57", ".ptx", ".pcap", ".fls", ".rcp"), _CLOUDS),
     **dict.fromkeys(
         (".gltf", ".fbx", ".dae", ".3ds", ".3mf", ".blend", ".wrl", ".x3d", ".usd", ".usdz"), _MESHES
     ),
     **dict.fromkeys((".step", ".stp", ".iges", ".igs"), _MESHES.replace("Blender", "FreeCAD")),
-    **dict.fromkeys((".bag", ".mcap", ".db3", ".oni", ".klg"), _RECORDINGS),
+    **dict.fromkeys((".bag", ".mcap", ".db3"), _ROS_RECORDINGS),
+    **dict.fromkeys((".oni", ".klg"), _RECORDINGS),
 }
 _POINTERS = {
     b"version https://git-lfs.github.com/spec/": "is a Git LFS pointer in place of the file: git lfs pull",
