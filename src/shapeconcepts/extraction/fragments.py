@@ -34,7 +34,7 @@ BASE = 0.01
 # Pixels of what is a part at all.
 _LEAST_TALL, _LEAST_LOW = 25, 15
 # Share of the border of something low along which it goes on as something tall.
-CONTACT = 0.25
+CONTACT = 0.2
 # Pixels by which a part is larger than what of it is beyond noise.
 _GROWTH = 4
 # Metres above the surface of what stands on nothing, and the share of its lower border that something hides.
