@@ -152,7 +152,8 @@ def _image_shape(points: NDArray[np.float64], is_measured: NDArray[np.bool_]) ->
 
 def _pitch_of_image(image: NDArray[np.float64], viewpoint: NDArray[np.float64]) -> float:
     some = image[:: max(image.shape[0] // 48, 1)] - viewpoint
-    rays = some / np.linalg.norm(some, axis=2, keepdims=True)
+    # Of next to nothing, squares are 0.
+    rays = some / np.maximum(np.linalg.norm(some, axis=2, keepdims=True), 1e-300)
     angles = np.linalg.norm(rays[:, 1:] - rays[:, :-1], axis=2)
     angles = angles[angles > 0.0]
     return float(np.median(angles)) if len(angles) else 0.002

@@ -248,6 +248,9 @@ def _scan(path: Path, cloud: Cloud | Mesh, scale: float | None, up: Up | None) -
     if isinstance(cloud, Mesh):
         vertices, notices = _placed(cloud, path.suffix.lower(), scale, up)
         return replace(scan_mesh(vertices, cloud.faces, random_state=0, name=str(path)), notices=notices)
+    if cloud.pixels is not None:
+        # Depth images have a scale of their own, and their camera is the viewpoint.
+        return _scan_of_cloud(path, cloud, cloud.viewpoint)
     if scale is None:
         scale, notices = unit_of_cloud(cloud.points, cloud.viewpoint)
         cloud = cloud._replace(notices=(*cloud.notices, *notices))
