@@ -38,7 +38,7 @@ wheel-check:
 
 # Kernels that check every index are others than those that do not: a folder of their own keeps them apart.
 KERNEL_TESTS = $(addprefix tests/,test_far_away.py test_neighbours.py test_preparation_*.py \
-	test_segmentation_border_settling.py test_segmentation_creases.py test_segmentation_linkage.py \
+	test_extraction_kernels.py test_segmentation_border_settling.py test_segmentation_creases.py test_segmentation_linkage.py \
 	test_segmentation_region_merging.py test_segmentation_supervoxels.py test_descriptors_*.py test_topology_*.py \
 	test_concepts_dip.py test_concepts_tree.py motifs/test_motif_reference.py motifs/test_prototype_stimuli.py)
 
