@@ -153,7 +153,7 @@ def test_other_frames_need_a_direction_upwards_or_the_z_axis():
 
 def test_gravity_is_guessed_within_a_degree(scenes):
     for scene in scenes:
-        grid, _ = scene_pixels(plain(scene))
+        grid = scene_pixels(plain(scene)).grid
         regions = planar_regions(grid.points, grid.viewpoint, grid.pitch).regions
         up = upward(regions, grid.is_camera_frame, None)
         assert up @ scene.true_up > np.cos(np.radians(1.5))

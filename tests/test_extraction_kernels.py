@@ -9,9 +9,12 @@ from shapeconcepts.extraction.component_kernels import (
     contacts,
     flying_pixels,
     grow_components,
+    grow_downwards,
+    hidden_sides,
     near_pairs,
 )
 from shapeconcepts.extraction.height_kernels import window_means
+from shapeconcepts.extraction.pixel_kernels import largest_coordinate, measured_points
 from shapeconcepts.extraction.planar_cells_kernels import cell_moments, fit_planes
 
 
@@ -109,3 +112,35 @@ def test_components_grow_by_so_many_pixels():
     may_grow[0, 6] = False
     grow_components(numbers, may_grow, same, same, 3)
     assert numbers.tolist() == [[0, 0, 0, 0, -1, -1, -1, 1, 1]]
+
+
+def test_measured_points_are_taken_from_an_origin(rng):
+    points = rng.normal(size=(50, 3))
+    is_measured = rng.random(50) < 0.7
+    expected = np.where(is_measured[:, None], points - (1.0, 2.0, 3.0), np.nan)
+    np.testing.assert_array_equal(measured_points(points, is_measured, np.array([1.0, 2.0, 3.0])), expected)
+    assert largest_coordinate(points, is_measured) == np.abs(points[is_measured]).max()
+
+
+def test_what_is_straight_below_is_grown_into():
+    points = np.zeros((4, 3, 3))
+    # A wall in the left column, and a floor that leads away from its foot.
+    points[:, 0, 2] = [0.4, 0.2, 0.0, -0.1]
+    points[3, 1:, 0] = [0.1, 0.2]
+    numbers = np.full((4, 3), -1, np.int32)
+    numbers[0, 0] = 0
+    may_grow = np.zeros((4, 3), bool)
+    may_grow[:, 0] = may_grow[3] = True
+    grow_downwards(numbers, may_grow, points, np.array([0.0, 0.0, 1.0]), np.full((4, 3), 0.05, np.float32))
+    assert numbers[:, 0].tolist() == [0, 0, 0, 0]
+    assert (numbers[:, 1:] == -1).all()
+
+
+def test_sides_are_hidden_by_what_is_nearer():
+    distances = np.array([[1.0], [2.0], [np.nan], [2.0], [1.0]], np.float32)
+    numbers = np.array([[-1], [0], [-1], [1], [-1]], np.int32)
+    jumps = np.full((5, 1), 0.1, np.float32)
+    hidden, sides = hidden_sides(numbers, 2, distances, jumps, 1, 0)
+    assert (hidden.tolist(), sides.tolist()) == ([0, 1], [1, 1])
+    hidden, sides = hidden_sides(numbers, 2, distances, jumps, -1, 0)
+    assert (hidden.tolist(), sides.tolist()) == ([1, 0], [1, 1])

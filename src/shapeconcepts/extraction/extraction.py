@@ -13,7 +13,7 @@ from shapeconcepts.extraction.extracted_object import ExtractedObject
 from shapeconcepts.extraction.fragments import find_fragments
 from shapeconcepts.extraction.gravity import upward
 from shapeconcepts.extraction.heights import Heights, measure_heights
-from shapeconcepts.extraction.pixel_grid import PixelGrid, ScenePixels, scene_pixels
+from shapeconcepts.extraction.pixel_grid import ScenePixels, scene_pixels
 from shapeconcepts.extraction.planar_regions import PlanarRegion, planar_regions
 from shapeconcepts.extraction.stacked import part_stacked
 from shapeconcepts.extraction.supporting_planes import SupportingPlane, supporting_planes
@@ -57,7 +57,8 @@ def extract_objects(scene: Scene, *, fewest_points: int = FEWEST_POINTS) -> list
         If `fewest_points` is not a whole number from 1 on.
     """
     check_integer("fewest_points", fewest_points, 1)
-    grid, pixels = scene_pixels(scene)
+    seen = scene_pixels(scene)
+    grid = seen.grid
     found = planar_regions(grid.points, grid.viewpoint, grid.pitch)
     up = upward(found.regions, grid.is_camera_frame, scene.up)
     if up is None:
@@ -75,7 +76,7 @@ def extract_objects(scene: Scene, *, fewest_points: int = FEWEST_POINTS) -> list
     is_free &= ~is_background(grid, found.regions, planes, noises)
     numbers, n = find_fragments(grid, heights, is_free, noises)
     n = part_stacked(numbers, n, grid, _level_parts(found.regions, planes), noises)
-    return _objects(scene, ScenePixels(grid, pixels), numbers, n, heights, fewest_points)
+    return _objects(scene, seen._replace(grid=grid), numbers, n, heights, fewest_points)
 
 
 def _level_parts(regions: list[PlanarRegion], planes: list[SupportingPlane]) -> list[PlanarRegion]:
@@ -89,25 +90,27 @@ def _level_parts(regions: list[PlanarRegion], planes: list[SupportingPlane]) -> 
 
 def _objects(
     scene: Scene,
-    scene_pixels: ScenePixels,
+    seen: ScenePixels,
     numbers: NDArray[np.int32],
     n: int,
     heights: Heights,
     fewest_points: int,
 ) -> list[ExtractedObject]:
-    grid, pixels = scene_pixels
+    grid, pixels, is_image = seen
     own = numbers >= 0
     sizes = np.bincount(numbers[own], minlength=n)
     above = np.bincount(numbers[own], heights.is_above[own], n)
     beyond_noise = np.bincount(numbers[own], heights.is_high[own], n)
     is_object = (above > _ABOVE * sizes) & (beyond_noise > _BEYOND_NOISE * sizes)
-    of_point = np.where(pixels >= 0, numbers.ravel()[pixels], -1)
-    of_point[~_is_seen(scene, grid, pixels)] = -1
+    of_point = numbers.ravel() if is_image else _numbers_of_points(scene, seen, numbers)
+    members = np.flatnonzero(of_point >= 0)
+    members = members[np.argsort(of_point[members], kind="stable")]
+    ends = np.searchsorted(of_point[members], np.arange(n + 1))
     height, width = numbers.shape
     creased = have_creases(numbers, n, grid)
     objects = []
     for number in np.flatnonzero(is_object):
-        indices = np.flatnonzero(of_point == number)
+        indices = members[ends[number] : ends[number + 1]]
         if len(indices) < fewest_points:
             continue
         rows, columns = np.divmod(pixels[indices], width)
@@ -135,10 +138,10 @@ def _objects(
     ]
 
 
-def _is_seen(scene: Scene, grid: PixelGrid, pixels: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Points that are on the surface that their pixel shows, (n,) bool: another may be in front of them."""
-    if scene.is_organised:
-        return pixels >= 0
+def _numbers_of_points(scene: Scene, seen: ScenePixels, numbers: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Object of each point, (n,): that of its pixel, if the point is on the surface that the pixel shows."""
+    grid, pixels, _ = seen
     distances = np.linalg.norm(scene.points.reshape(-1, 3) - grid.origin - grid.viewpoint, axis=1)
-    seen, jumps = grid.distances.ravel()[pixels], grid.jumps.ravel()[pixels]
-    return np.asarray((pixels >= 0) & (distances - seen < jumps))
+    nearest, jumps = grid.distances.ravel()[pixels], grid.jumps.ravel()[pixels]
+    is_shown = (pixels >= 0) & (distances - nearest < jumps)
+    return np.where(is_shown, numbers.ravel()[pixels], -1)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from shapeconcepts.extraction.component_kernels import distances_and_jumps
+from shapeconcepts.extraction.pixel_kernels import largest_coordinate, measured_points
 from shapeconcepts.geometry.origin import nearest_tile
 from shapeconcepts.scan import ScanError, measured_rows
 from shapeconcepts.scene import Scene
@@ -79,10 +80,13 @@ class ScenePixels(NamedTuple):
     grid : PixelGrid
     pixels : (n,) int64
         Of each point, row by row; -1 where it was not measured.
+    is_image : bool
+        Whether the points are those of the pixels, each in its own.
     """
 
     grid: PixelGrid
     pixels: NDArray[np.int64]
+    is_image: bool
 
 
 def scene_pixels(scene: Scene) -> ScenePixels:
@@ -102,31 +106,37 @@ def scene_pixels(scene: Scene) -> ScenePixels:
     is_measured = measured_rows(points)
     if not is_measured.any():
         raise ScanError(f"{title}: none of its {len(points)} points is finite")
-    farthest = float(np.abs(points[is_measured]).max())
+    farthest = largest_coordinate(points, is_measured)
     if scene.viewpoint is not None:
         farthest = max(farthest, float(np.abs(scene.viewpoint).max()))
     if farthest > LARGEST:
         raise ScanError(f"{title}: coordinates up to {farthest:.3g}, expected metres (at most {LARGEST:.0e})")
+    some = points[is_measured] if len(points) < _MOST_LOOKED_AT else _sample(points, is_measured)
     # Far from the origin, squares would round.
-    origin = nearest_tile(points[is_measured])
-    viewpoint, is_camera_frame = _viewpoint(scene, points[is_measured])
-    points, viewpoint = points - origin, viewpoint - origin
+    origin = nearest_tile(some)
+    viewpoint, is_camera_frame = _viewpoint(scene, some)
+    viewpoint = viewpoint - origin
     shape = scene.points.shape[:2] if scene.is_organised else _image_shape(points, is_measured)
     if shape is not None:
-        image = np.where(is_measured[:, None], points, np.nan).reshape(*shape, 3)
+        image = measured_points(points, is_measured, origin).reshape(*shape, 3)
         pixels = np.where(is_measured, np.arange(len(points)), -1)
         pitch = _pitch_of_image(image, viewpoint)
     else:
-        image, pixels, pitch = _projected(points, is_measured, viewpoint, is_camera_frame)
+        image, pixels, pitch = _projected(points - origin, is_measured, viewpoint, is_camera_frame)
     distances, jumps = distances_and_jumps(image, viewpoint, pitch)
     grid = PixelGrid(image, origin, viewpoint, pitch, distances, jumps, is_camera_frame, np.zeros(3))
-    return ScenePixels(grid, pixels)
+    return ScenePixels(grid, pixels, shape is not None)
+
+
+def _sample(points: NDArray[np.float64], is_measured: NDArray[np.bool_]) -> NDArray[np.float64]:
+    measured = np.flatnonzero(is_measured)
+    return points[measured[:: -(-len(measured) // _MOST_LOOKED_AT)]]
 
 
 def _viewpoint(scene: Scene, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], bool]:
     """Where the sensor was, and whether the frame is that of a camera."""
     origin = np.zeros(3) if scene.viewpoint is None else scene.viewpoint
-    sights = points[:: -(-len(points) // _MOST_LOOKED_AT)] - origin
+    sights = points - origin
     cosines = sights[:, 2] / np.maximum(np.linalg.norm(sights, axis=1), 1e-300)
     is_camera_frame = bool((cosines > _IN_VIEW).mean() > _IN_FRONT)
     if scene.viewpoint is not None or is_camera_frame:

@@ -38,7 +38,7 @@ def draw_scene(scene: Scene, objects: Sequence[ExtractedObject]) -> Image.Image:
     ScanError
         If nothing was measured in the scene.
     """
-    grid, pixels = scene_pixels(scene)
+    grid, pixels, _ = scene_pixels(scene)
     shade = _shade(grid.distances)
     image = np.repeat(shade[:, :, None], 3, axis=2)
     numbers = np.full(shade.shape, -1, np.int64)
