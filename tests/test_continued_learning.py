@@ -330,3 +330,47 @@ def test_the_same_scan_twice_is_new_once():
     known, [new] = known_scans(model), described_objects(1, seed=5)[:1]
     assert [is_new(new, known), is_new(new, known)] == [True, False]
     assert not is_new(described_objects(10)[3], known)
+
+
+def test_a_model_that_was_learned_anew_keeps_identities_and_names(simulated, tmp_path):
+    named = [
+        DescribedObject(one.description, one.segment_edges, f"scan{i}", one.label, one.occlusions)
+        for i, one in enumerate(simulated)
+    ]
+    earlier = ShapeConceptModel().fit(named[:50])
+    for concept in earlier.concepts_:
+        concept.name = f"kind {concept.key}"
+    anew = ShapeConceptModel().fit([*named[50:], *named[:50]]).take_identities(earlier)
+    at = anew.labels_[len(named) - 50 :]
+    for concept in earlier.concepts_:
+        inside = at[concept.members]
+        most = np.bincount(inside[inside >= 0]).argmax()
+        if (inside == most).mean() > 0.5 and (
+            earlier.labels_[at == most] == earlier.labels_[concept.members[0]]
+        ).mean() > 0.5:
+            assert anew.concepts_[most].key == concept.key
+            assert anew.concepts_[most].name == concept.name
+    keys = [concept.key for concept in anew.concepts_]
+    assert len(set(keys)) == len(keys)
+    assert anew.n_identities_ > max(keys)
+    assert anew.history_[-1].n_before == 50
+    assert anew.history_[-1].n_after == len(named)
+    anew.save(tmp_path / "anew")
+    assert [one.key for one in load_model(tmp_path / "anew").concepts_] == keys
+    with pytest.raises(ValueError, match="earlier must be a model of some of the same scans"):
+        anew.take_identities(ShapeConceptModel().fit(simulated))
+
+
+def test_learning_anew_on_the_command_line_keeps_names(tmp_path):
+    for number, scan in enumerate(datasets.simulate(8, categories=("ball", "box"))):
+        write_pcd(tmp_path / f"{scan.label}_{number}.pcd", scan)
+    files, old, new = sorted(tmp_path.glob("*.pcd")), tmp_path / "old", tmp_path / "new"
+    assert run("learn", *files[:4], *files[8:12], "--model", old, "--no-cache").exit_code == 0
+    assert run("info", old, "--name", "0=first").exit_code == 0
+    done = run("learn", *files, "--model", new, "--identities-of", old, "--no-cache")
+    assert done.exit_code == 0, done.output
+    assert "first (key 0)" in done.output
+    assert [one.name for one in load_model(new).concepts_ if one.key == 0] == ["first"]
+    done = run("learn", files[5], "--update", old, "--identities-of", old)
+    assert done.exit_code == 2
+    assert "is for a new model" in done.output

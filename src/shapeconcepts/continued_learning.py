@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
@@ -146,6 +147,49 @@ class ContinuedLearning(Answers):
             )
         )
 
+    def take_identities(self, earlier: ContinuedLearning) -> Any:
+        """Give concepts the identities and names that they have in an earlier model with some of the scans.
+
+        For a model that was learned anew from old scans and new ones. Scans are the same if they have the
+        same name, which no other scan has. Concepts are matched as by an update, see `identities_after`, and
+        `history_` goes on with what changed.
+
+        Parameters
+        ----------
+        earlier : ShapeConceptModel
+            Fitted. It does not change.
+
+        Returns
+        -------
+        self
+
+        Raises
+        ------
+        ValueError
+            If the models have no scan in common.
+        """
+        check_is_fitted(self, "response_")
+        check_is_fitted(earlier, "response_")
+        rows, rows_before = _in_both(self.scan_names_, earlier.scan_names_)
+        if not len(rows):
+            raise ValueError("earlier must be a model of some of the same scans, got one without any of them")
+        others = np.setdiff1d(np.arange(len(self.labels_)), rows)
+        before, after = earlier.labels_[rows_before], self.labels_[np.concatenate([rows, others])]
+        concepts, keys_before = self.filtration_.concepts_, [one.key for one in earlier.concepts_]
+        names = {one.key: one.name for one in earlier.concepts_}
+        found = identities_after(before, after, keys_before, len(concepts), earlier.n_identities_)
+        for concept, key in zip(concepts, found.keys, strict=True):
+            concept.key, concept.name = key, names.get(key, concept.name)
+        moved = tuple(
+            (int(rows[row]), key_before, key)
+            for row, key_before, key in _moved(before, after, keys_before, found.keys)
+        )
+        update = Update(len(rows), len(self.labels_), found.changes, moved)
+        # Of a model of more scans than this one has, updates cannot be told.
+        told = [one._replace(moved=()) for one in earlier.history_ if one.n_after <= len(self.labels_)]
+        state = ModelState(*(getattr(self, f"{name}_") for name in ModelState._fields))
+        return self._remember(state._replace(n_identities=found.n_given, history=(*told, update)))
+
     @property
     def pool_(self) -> NDArray[np.int64]:
         """Scans that came after the space was filtered and are like nothing known, as rows of `labels_`."""
@@ -240,3 +284,16 @@ def _moved(
         (int(scan), int(of_before[scan]), int(of_after[scan]))
         for scan in np.flatnonzero(of_before != of_after)
     )
+
+
+def _in_both(names: list[str], names_before: list[str]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows of the scans of two models whose name is one scan's in each, rising in the first."""
+    counts, counts_before = Counter(names), Counter(names_before)
+    row_before = {name: row for row, name in enumerate(names_before) if counts_before[name] == 1}
+    pairs = [
+        (row, row_before[name])
+        for row, name in enumerate(names)
+        if name and counts[name] == 1 and name in row_before
+    ]
+    rows = np.array(pairs, np.int64).reshape(-1, 2)
+    return rows[:, 0], rows[:, 1]

@@ -99,6 +99,14 @@ def learn(
             "and the report shows them.",
         ),
     ] = None,
+    identities_of: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="MODEL",
+            show_default=False,
+            help="Earlier model of some of the scans: concepts of the new one keep its identities and names.",
+        ),
+    ] = None,
     report: Annotated[
         Path | None,
         typer.Option(
@@ -222,6 +230,11 @@ def learn(
             raise typer.BadParameter("is for a new model: that of --update has its own", param_hint=given[0])
         if not data:
             raise typer.BadParameter("needs new scans", param_hint="--update")
+        if identities_of is not None:
+            raise typer.BadParameter(
+                "is for a new model: that of --update keeps its own", param_hint="--identities-of"
+            )
+    earlier = None if identities_of is None else read_model(identities_of)
     learner = _learner(preset) if update is None else read_model(update)
     set_from_options(learner, parameters)
     cache = None if no_cache else user_cache()
@@ -244,6 +257,8 @@ def learn(
         with busy("Learning concepts"), warnings_said():
             if update is None:
                 learner.fit(_given_away(collection.described))
+                if earlier is not None:
+                    _take_identities(learner, earlier)
             else:
                 collection = _learn_on(learner, collection)
         told = _told_by_the_report(
@@ -266,7 +281,7 @@ def learn(
         tell_json({**paths, **model_summary(learner), "skipped": skipped})
     else:
         print_concepts(learner)
-    if update is not None and learner.history_:
+    if learner.history_:
         say_update(learner, learner.history_[-1])
     say(f"Learned {in_words(learner)}")
     if others := other_cuts_in_words(learner):
@@ -282,6 +297,13 @@ def _learner(preset: str) -> ShapeConceptModel:
     from shapeconcepts.model import ShapeConceptModel
 
     return ShapeConceptModel.preset(preset)
+
+
+def _take_identities(learner: ShapeConceptModel, earlier: ShapeConceptModel) -> None:
+    try:
+        learner.take_identities(earlier)
+    except ValueError:
+        fail("none of the scans is in the model of --identities-of")
 
 
 def _given_away(described: list[DescribedObject]) -> Iterator[DescribedObject]:
