@@ -9,7 +9,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from recording_examples import clouds, write
-from shapeconcepts import Scan, datasets, read_scan, read_scene
+from shapeconcepts import Scan, datasets, read_scan, read_scans, read_scene
 from shapeconcepts.cli import app
 from shapeconcepts.io.write_pcd import write_pcd
 
@@ -29,8 +29,8 @@ def run(*arguments):
 
 
 def rows_of(folder):
-    with (folder / "objects.csv").open(encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    with (folder / "objects.tsv").open(encoding="utf-8") as file:
+        return list(csv.DictReader(file, delimiter="\t"))
 
 
 def test_objects_pictures_and_an_index_are_written(scenes, tmp_path):
@@ -148,3 +148,16 @@ def test_commands_take_scenes_directly(scenes, tmp_path, monkeypatch):
     names = [json.loads(line)["scan"] for line in answered.stdout.splitlines()]
     own = [row for row in rows_of(tmp_path / "objects") if "/" not in row["file"]]
     assert names == [f"one/{row['number']}" for row in own]
+
+
+def test_objects_of_a_labelled_scene_are_whole_scans(tmp_path):
+    scene = datasets.simulate_scene(0, random_state=3)
+    labels = scene.point_labels.ravel()
+    write_pcd(tmp_path / "one.pcd", Scan(scene.points.reshape(-1, 3), np.zeros(3), point_labels=labels))
+    assert run(tmp_path / "one.pcd", tmp_path / "objects").exit_code == 0
+    written = read_scans(tmp_path / "objects")
+    assert sorted(scan.name for scan in written) == sorted(
+        row["file"] for row in rows_of(tmp_path / "objects")
+    )
+    assert all(scan.point_labels is None for scan in written)
+    assert not written.skipped

@@ -52,8 +52,8 @@ def kitchen(tmp_path_factory):
 
 def test_a_recording_becomes_objects(kitchen):
     folder, (extracted, *_) = kitchen
-    with (folder / "objects" / "objects.csv").open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
+    with (folder / "objects" / "objects.tsv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file, delimiter="\t"))
     assert len({row["scene"] for row in rows}) > N_FRAMES // 2 - 3
     assert f"Found {len(rows)} objects in " in extracted
     assert sorted(row["file"] for row in rows) == sorted(

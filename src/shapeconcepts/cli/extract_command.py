@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from shapeconcepts.sources.collection import ScanFile
     from shapeconcepts.sources.reader import ReadOptions
 
-INDEX = "objects.csv"
+# Not .csv, which could be a scan.
+INDEX = "objects.tsv"
 _COLUMNS = (
     "file", "scene", "number", "time", "points", "left", "top", "right", "bottom",
     "viewpoint_x", "viewpoint_y", "viewpoint_z", "is_cut", "may_be_several",
@@ -89,7 +90,8 @@ class _Extractor:
 
         file = Path(task.folder) / f"{task.stem}_{number}.pcd"
         (self.out / task.folder).mkdir(parents=True, exist_ok=True)
-        write_pcd(self.out / file, found.scan)
+        # Labels of the scene's points tell its objects apart, of which this is one.
+        write_pcd(self.out / file, replace(found.scan, point_labels=None))
         viewpoint = ("", "", "") if found.scan.viewpoint is None else map(float, found.scan.viewpoint)
         values = (
             file.as_posix(), task.source.name, number, "" if found.time is None else found.time,
@@ -159,7 +161,7 @@ def extract(
     """Take scenes apart: a scan for each object that stands on a table, a board or the floor.
 
     Into OUT come the objects as PCD files, named by their scene and their number from left to right; a
-    picture of each scene, with the objects outlined; and objects.csv: scene, time, pixels, position of the
+    picture of each scene, with the objects outlined; and objects.tsv: scene, time, pixels, position of the
     sensor, whether the border of the image cuts it, and whether it may be several objects that touch. A
     sub-folder's name stays the label of its scenes' objects. OUT is what `learn` and `respond` take.
 
@@ -189,10 +191,10 @@ def extract(
     rows: list[Row] = []
     empty: list[str] = []
     notices: list[tuple[str, str]] = []
-    n_scenes = 0
+    n_scenes = n_used = 0
     try:
         with (out / INDEX).open("w", newline="", encoding="utf-8", errors="surrogateescape") as file:
-            table = csv.DictWriter(file, _COLUMNS)
+            table = csv.DictWriter(file, _COLUMNS, delimiter="\t")
             table.writeheader()
             results = map_in_order(work, tasks, useful_jobs(jobs, n_files))
             for result in progress(results, n_files, "Taking apart"):
@@ -202,6 +204,7 @@ def extract(
                     if strict:
                         break
                     continue
+                n_used += bool(result.rows)
                 notices.extend((result.name, notice) for notice in result.notices)
                 if not result.rows:
                     empty.append(result.name)
@@ -215,11 +218,11 @@ def extract(
     if as_json:
         skipped = [{"name": name, "reason": reason} for name, reason in problems]
         tell_json({"out": str(out), "scenes": n_scenes, "objects": rows, "empty": empty, "skipped": skipped})
-    say(f"Found {len(rows):,} objects in {n_scenes - len(empty) - len(problems):,} of {n_scenes:,} scenes")
+    say(f"Found {len(rows):,} objects in {n_used:,} of {n_scenes:,} scenes")
     if empty:
         more = f" and {len(empty) - 3:,} more" if len(empty) > 3 else ""
         say(f"Nothing stands on anything that can be seen in {', '.join(empty[:3])}{more}")
-    say_skipped(problems, n_scenes)
+    say_skipped(problems, n_used + len(empty) + len(problems))
     say_notices(notices, n_scenes)
     if not rows:
         fail("no object was found")
