@@ -37,6 +37,8 @@ _COLUMNS = (
     "viewpoint_x", "viewpoint_y", "viewpoint_z", "is_cut", "may_be_several",
 )  # fmt: skip
 Row = dict[str, object]
+# Of a recording, as far as anybody knows before it is read.
+_FRAMES = 1000
 
 
 class _Task(NamedTuple):
@@ -182,7 +184,7 @@ def extract(
         raise typer.BadParameter(f"{out} is not empty: --force writes into it", param_hint="OUT")
     reading = read_options(intrinsics, depth_scale, None, units, None)
     problems: list[tuple[str, str]] = []
-    tasks, n_files = _tasks(sources, topic, every, start, end, problems)
+    tasks, n_files, n_scenes_about = _tasks(sources, topic, every, start, end, problems)
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -196,7 +198,7 @@ def extract(
         with (out / INDEX).open("w", newline="", encoding="utf-8", errors="surrogateescape") as file:
             table = csv.DictWriter(file, _COLUMNS, delimiter="\t")
             table.writeheader()
-            results = map_in_order(work, tasks, useful_jobs(jobs, n_files))
+            results = map_in_order(work, tasks, useful_jobs(jobs, n_scenes_about))
             for result in progress(results, n_files, "Taking apart"):
                 n_scenes += 1
                 if result.reason:
@@ -236,8 +238,8 @@ def _tasks(
     start: float | None,
     end: float | None,
     problems: list[tuple[str, str]],
-) -> tuple[Iterator[_Task], int]:
-    """Scenes of files and recordings, one after the other, and how many files there are."""
+) -> tuple[Iterator[_Task], int, int]:
+    """Scenes of files and recordings, how many of these there are, and about how many scenes."""
     from shapeconcepts.recordings import is_recording
 
     recordings = [path for path in sources if is_recording(path)]
@@ -248,7 +250,9 @@ def _tasks(
         for option, value in given.items():
             if value is not None:
                 raise typer.BadParameter("is for recordings, and there is none", param_hint=option)
-    return _scenes(recordings, files, topic, every, start, end, problems), len(files) + len(recordings)
+    tasks = _scenes(recordings, files, topic, every, start, end, problems)
+    n_files = len(files) + len(recordings)
+    return tasks, n_files, n_files + _FRAMES * len(recordings)
 
 
 def _scenes(

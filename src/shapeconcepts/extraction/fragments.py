@@ -43,6 +43,7 @@ HIDDEN = 0.1
 _LEAST_ADJACENT = 12
 # Share of its upper border that something else hides.
 OVERHUNG = 0.5
+# Share of the height of something low at which it ends.
 TRIM = 0.3
 # Pixels, share of its border, and metres of what is the floor of something.
 _LEAST_HOLE, _ENCLOSED, _LEAST_FLOOR = 40, 0.5, 0.0015
@@ -63,7 +64,7 @@ def find_fragments(
     grid : PixelGrid
     heights : Heights
     is_free : (h, w) bool
-        Points that belong to nothing else, such as a wall.
+        Points that belong to nothing else, such as a wall, and not to the surface.
     noises : (h, w) float32
         Of the depth, metres.
     """
@@ -97,10 +98,7 @@ def find_fragments(
         numbers = np.where(low >= 0, becomes[low], numbers)
         # Something low that reaches from one to another does not have the feet of both.
         numbers = np.where((low >= 0) & (with_foot >= 0), with_foot, numbers)
-    may_grow = (
-        is_free & heights.is_above & (heights.smooth > heights.low) & (heights.height > 0.5 * heights.low)
-    )
-    grow_components(numbers, may_grow, distances, jumps, _GROWTH)
+    grow_components(numbers, is_free & heights.is_above, distances, jumps, _GROWTH)
     _trim(numbers, n_tall, n_tall + n_low, heights)
     _fill(numbers, n_tall + n_low, grid, heights)
     return numbers, n_tall + n_low
@@ -116,7 +114,7 @@ def _hardly_tall(numbers: NDArray[np.int32], n: int, heights: Heights) -> NDArra
 
 
 def _trim(numbers: NDArray[np.int32], first: int, stop: int, heights: Heights) -> None:
-    """End low objects, from the first on, in place, where the mean over a window is half of their height."""
+    """End low objects, from the first on, in place, where their mean height falls to a share of it."""
     own = (numbers >= first) & heights.is_high
     of_object = numbers[own]
     order = np.argsort(of_object, kind="stable")
