@@ -259,6 +259,7 @@ class ShapeConceptModel(Corrections, StagesMixin, ClusterMixin, BaseEstimator):
         """
         self.consolidate()
         self._keep_names_set_by_hand()
+        self._correct()
         write_state(path, self._state())
         self.write_journal(path)
 
