@@ -1,5 +1,7 @@
 """Scans whose coordinates are large: georeferenced ones, tiny ones, and both."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,7 +10,8 @@ from hypothesis import strategies as st
 from shapeconcepts import Scan, ScanError, datasets, describe, segment
 from shapeconcepts.geometry.neighbour_kernels import renumber
 from shapeconcepts.geometry.neighbours import radius_neighbours
-from shapeconcepts.geometry.origin import TILE, nearest_tile
+from shapeconcepts.geometry.origin import TILE, nearest_tile, origin_amid
+from shapeconcepts.preparation import prepare
 
 OFFSETS = {
     "UTM": (447_123.0, 5_411_234.0, 312.0),
@@ -78,9 +81,54 @@ def test_a_scan_on_whole_millimetres_has_the_same_segments_anywhere(place, with_
         there = segment(Scan(moved, None if viewpoint is None else viewpoint + OFFSETS[place]))
         assert there.point_to_voxel.tolist() == here.point_to_voxel.tolist()
         assert there.segment_labels.tolist() == here.segment_labels.tolist()
+        assert there.normals.tolist() == here.normals.tolist()
         assert np.abs(there.points - (here.points + OFFSETS[place])).max() < 1e-8
         one, other = (describe(segmented).description.segment_histograms for segmented in (here, there))
         assert np.abs(one / one.sum() - other / other.sum()).max() < 1e-3
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(3, 7), st.floats(3, 7), st.floats(-1, 1), st.booleans())
+def test_decimal_coordinates_are_the_same_to_the_last_bit_anywhere(
+    seed, decimals, offset_exponent, scale_exponent, with_viewpoint
+):
+    random = np.random.default_rng(seed)
+    x, y = random.uniform(-1, 1, (2, 400))
+    steps = np.rint(10 ** (scale_exponent + decimals) * np.column_stack([x, y, np.maximum(x * x, y)]))
+    offset = np.rint(10 ** (offset_exponent + decimals) * random.uniform(-1, 1, 3))
+    viewpoint = np.rint(10**decimals * np.array([0.4, -2.0, 9.0]))
+    here, there = (
+        prepare(
+            Scan(
+                (steps + moved) / 10**decimals,
+                (viewpoint + moved) / 10**decimals if with_viewpoint else None,
+            )
+        )
+        for moved in (np.zeros(3), offset)
+    )
+    assert there.offsets.tolist() == here.offsets.tolist()
+    assert there.normals.tolist() == here.normals.tolist()
+    one, other = (segment(prepared).segment_labels for prepared in (here, there))
+    assert one.tolist() == other.tolist()
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(0, 15), st.floats(-6, 9))
+def test_what_is_left_of_decimal_coordinates_is_nearest_to_the_truth(seed, decimals, exponent):
+    largest = min(int(10 ** (exponent + decimals)), 10**15)
+    steps = np.random.default_rng(seed).integers(-largest, largest + 1, (20, 3))
+    points = np.array([[float(Fraction(int(one), 10**decimals)) for one in row] for row in steps])
+    origin = origin_amid(points)
+    middle = np.sort(steps, axis=0)[10]
+    expected = [[float(Fraction(int(one), 10**decimals)) for one in row] for row in steps - middle]
+    assert origin.take_off(points).tolist() == expected
+    assert origin.metres.tolist() == np.sort(points, axis=0)[10].tolist()
+
+
+def test_coordinates_that_are_not_decimal_are_moved_by_whole_tiles():
+    points = np.rint(2**20 * np.random.default_rng(0).uniform(-1, 1, (50, 3))) / 2**20
+    assert (origin_amid(points).take_off(points) == points).all()
+    assert (origin_amid(points + 2**20).take_off(points + 2**20) == points).all()
 
 
 def test_the_tile_is_that_of_most_points_and_taken_off_without_rounding():

@@ -83,6 +83,14 @@ def test_millimetres_are_told_by_the_numbers(tmp_path, can, place, kind):
     assert segment(guessed).notices == guessed.notices
 
 
+@pytest.mark.parametrize(("unit", "decimals"), [("mm", 3), ("cm", 2)])
+@pytest.mark.parametrize("offset", [np.zeros(3), UTM], ids=["near", "UTM"])
+def test_whole_numbers_become_those_of_a_file_in_metres(tmp_path, can, unit, decimals, offset):
+    whole = np.rint(10**decimals * (can.points + offset))
+    np.savetxt(path := tmp_path / "can.xyz", whole, "%d")
+    assert (read_scan(path, units=unit).points == whole / 10**decimals).all()
+
+
 def test_a_unit_that_is_set_wins(tmp_path, can):
     path = write(tmp_path / "can.ply", 1000.0 * can.points)
     scan = read_scan(path, units="m")
@@ -147,7 +155,7 @@ def test_a_viewpoint_in_the_file_is_evidence_and_in_its_unit(tmp_path):
     np.savez(tmp_path / "near.npz", points=points, viewpoint=[0.0, 0.0, 70.0])
     np.savez(tmp_path / "far.npz", points=points, viewpoint=[0.0, 0.0, 700.0])
     assert read_silently(tmp_path / "near.npz").viewpoint.tolist() == [0.0, 0.0, 70.0]
-    assert read_silently(tmp_path / "far.npz").viewpoint.tolist() == [0.0, 0.0, 700.0 * 0.001]
+    assert read_silently(tmp_path / "far.npz").viewpoint.tolist() == [0.0, 0.0, 0.7]
 
 
 def test_missing_points_and_copies_are_no_evidence(tmp_path, can):

@@ -32,11 +32,14 @@ _CAMERA_POSITION = ("view_px", "view_py", "view_pz")
 
 
 class _Rows(NamedTuple):
-    """The rows of an element: what gives its columns by name, and what stands behind them."""
+    """The rows of an element: what gives its columns by name, and where they end.
+
+    That is a line of a text, else a byte: thousands of elements must not copy what is behind each.
+    """
 
     columns: Callable[[list[str]], list[NDArray]]
     lines: list[str]
-    offset: int
+    end: int
 
 
 def read_ply(data: bytes) -> Cloud | Mesh:
@@ -63,13 +66,15 @@ def read_ply(data: bytes) -> Cloud | Mesh:
     is_text = byte_order == "="
     rows = _Rows(lambda _: [], [], body)
     if is_text:
-        rows = rows._replace(lines=[line for line in decoded_lines(data[body:]) if line.strip()])
+        rows = rows._replace(lines=[line for line in decoded_lines(data[body:]) if line.strip()], end=0)
     for element in elements[: place + 1]:
         rows = _next_rows(rows, data, element, is_text)
     points = np.column_stack([column.astype(np.float64) for column in rows.columns([*"xyz"])])
     if face is not None:
         polygons = (
-            ascii_faces(rows.lines, face) if is_text else binary_faces(data, rows.offset, face, byte_order)
+            ascii_faces(rows.lines[rows.end :], face)
+            if is_text
+            else binary_faces(data, rows.end, face, byte_order)
         )
         return Mesh(points, polygons.triangles(len(data)))
     label = next((name for name in LABEL_NAMES if name in vertex.names), None)
@@ -104,16 +109,17 @@ def _next_rows(rows: _Rows, data: bytes, element: Element, is_text: bool) -> _Ro
 
 def _binary_rows(rows: _Rows, data: bytes, element: Element) -> _Rows:
     dtype = element.row_dtype
-    if element.n_rows * dtype.itemsize > len(data) - rows.offset:
+    if element.n_rows * dtype.itemsize > len(data) - rows.end:
         raise truncated(element)
-    content = np.frombuffer(data, dtype, element.n_rows, rows.offset)
-    return _Rows(lambda names: [content[name] for name in names], [], rows.offset + content.nbytes)
+    content = np.frombuffer(data, dtype, element.n_rows, rows.end)
+    return _Rows(lambda names: [content[name] for name in names], [], rows.end + content.nbytes)
 
 
 def _text_rows(rows: _Rows, element: Element) -> _Rows:
-    if element.n_rows > len(rows.lines):
+    end = rows.end + element.n_rows
+    if end > len(rows.lines):
         raise truncated(element)
-    lines, behind = rows.lines[: element.n_rows], rows.lines[element.n_rows :]
+    lines = rows.lines[rows.end : end]
     names = element.names
     for line in (*lines[:1], *lines[-1:]):
         if element.name == "vertex" and (n := len(line.split())) != len(names):
@@ -123,7 +129,7 @@ def _text_rows(rows: _Rows, element: Element) -> _Rows:
         # All digits that are there, whatever the type of the property.
         return list(number_table(lines, [names.index(name) for name in wanted]).T)
 
-    return _Rows(columns, behind, 0)
+    return _Rows(columns, rows.lines, end)
 
 
 def _camera_position(

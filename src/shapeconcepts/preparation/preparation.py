@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from shapeconcepts.geometry.neighbour_kernels import restrict
 from shapeconcepts.geometry.neighbours import Neighbours, radius_neighbours
 from shapeconcepts.geometry.normal_kernels import principal_component_normals
-from shapeconcepts.geometry.origin import nearest_tile
+from shapeconcepts.geometry.origin import nearest_tile, origin_amid
 from shapeconcepts.geometry.point_kernels import first_of_equals
 from shapeconcepts.parameters import check_length
 from shapeconcepts.preparation.closedness import is_seen_from_all_sides
@@ -78,9 +78,9 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
         )
     if scan.viewpoint is not None and np.abs(scan.viewpoint).max() > LARGEST:
         raise ScanError(f"{name}: viewpoint {scan.viewpoint.tolist()}, expected metres (at most 1e9)")
-    origin = nearest_tile(points)
-    of_rounding = rounding_notices(points, name) if origin.any() else ()
-    points = points - origin
+    of_rounding = rounding_notices(points, name) if nearest_tile(points).any() else ()
+    origin = origin_amid(points)
+    points = origin.take_off(points)
     grid = voxel_grid(points, voxel_size) if isinstance(voxel_size, float) else adaptive_voxel_grid(points)
     neighbours = radius_neighbours(grid.points, NEIGHBOUR_RADIUS * grid.voxel_size)
     for _ in range(STRAY_ROUNDS):
@@ -96,7 +96,7 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
     if scan.viewpoint is None:
         viewpoint, _ = estimate_viewpoint(points, grid.points, normals)
     else:
-        viewpoint = scan.viewpoint - origin
+        viewpoint = origin.take_off(scan.viewpoint)
     is_complete = is_seen_from_all_sides(grid, viewpoint)
     if is_complete:
         hidden = ~visible_points(grid.points, viewpoint)
@@ -108,7 +108,8 @@ def prepare(scan: object, *, voxel_size: float | str = "auto") -> PreparedObject
     point_to_voxel = np.full(len(scan.points), -1, np.int32)
     point_to_voxel[kept] = grid.point_to_voxel
     return PreparedObject(
-        points=grid.points + origin,
+        offsets=grid.points,
+        origin=origin.metres,
         normals=orient_normals(grid.points, normals, viewpoint),
         point_to_voxel=point_to_voxel,
         neighbours=neighbours,

@@ -16,12 +16,15 @@ class PreparedObject:
 
     Attributes
     ----------
-    points : (m, 3) float64
-        Mean of the scan points in each voxel, metres, in the frame of the scan.
+    offsets : (m, 3) float64
+        Mean of the scan points in each voxel, metres, relative to the origin: of these, numbers hold all
+        digits wherever the scan is.
+    origin : (3,) float64
+        In the frame of the scan.
     normals : (m, 3) float64
         Unit normals, oriented towards the sensor.
     point_to_voxel : (n,) int32
-        Row in `points` for each point of the scan, -1 for a dropped point: not measured, stray, or a copy of
+        Row in `offsets` for each point of the scan, -1 for a dropped point: not measured, stray, or a copy of
         another one.
     neighbours : Neighbours
         Neighbours of each point within 3 voxels.
@@ -35,7 +38,8 @@ class PreparedObject:
         Those of the scan, and what its points say.
     """
 
-    points: NDArray[np.float64]
+    offsets: NDArray[np.float64]
+    origin: NDArray[np.float64]
     normals: NDArray[np.float64]
     point_to_voxel: NDArray[np.int32]
     neighbours: Neighbours
@@ -44,3 +48,8 @@ class PreparedObject:
     name: str = ""
     label: str | None = None
     notices: tuple[str, ...] = ()
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """Mean of the scan points in each voxel in the frame of the scan, (m, 3) float64."""
+        return self.offsets + self.origin

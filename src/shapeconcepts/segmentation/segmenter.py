@@ -8,7 +8,6 @@ import numpy as np
 from sklearn.base import BaseEstimator
 
 from shapeconcepts.geometry.neighbours import Neighbours
-from shapeconcepts.geometry.origin import nearest_tile
 from shapeconcepts.parameters import check_parameters, choice, positive_number, share, whole_number
 from shapeconcepts.preparation import PreparedObject, prepare
 from shapeconcepts.segmentation.region_merging import absorb_small
@@ -91,7 +90,7 @@ class Segmenter(BaseEstimator):
         """
         check_parameters(self)
         prepared = scan if isinstance(scan, PreparedObject) else prepare(scan, voxel_size=self.voxel_size)
-        points, voxel = prepared.points - nearest_tile(prepared.points), prepared.voxel_size
+        points, voxel = prepared.offsets, prepared.voxel_size
         neighbours = prepared.neighbours
         adjacency = Neighbours(*closer_neighbours(points, *neighbours, ADJACENCY_RADIUS * voxel))
 

@@ -46,6 +46,16 @@ def metres_per_unit(units: str | float) -> float | None:
     )
 
 
+def in_metres(coordinates: NDArray[np.float64], scale: float) -> NDArray[np.float64]:
+    """Coordinates times metres per unit.
+
+    A thousandth is no binary number, a thousand is: of whole millimetres, a division makes the numbers that a
+    file in metres holds.
+    """
+    per_metre = 1.0 / scale
+    return coordinates / per_metre if per_metre.is_integer() else coordinates * scale
+
+
 def check_up(up: str | None) -> None:
     """Raise ValueError for what is no axis."""
     if up is not None and up not in _TURNS:

@@ -34,7 +34,7 @@ from shapeconcepts.io.viewpoint import viewpoint_of
 from shapeconcepts.scan import Scan, ScanError, ScanWarning, measured_rows, scan_errors
 from shapeconcepts.simulation.sensor import scan_mesh
 from shapeconcepts.simulation.views import views
-from shapeconcepts.sources.frame import Up, check_up, metres_per_unit, turned_upright
+from shapeconcepts.sources.frame import Up, check_up, in_metres, metres_per_unit, turned_upright
 from shapeconcepts.sources.other_formats import pointer_in, refusal_of_format
 from shapeconcepts.sources.units import unit_of_cloud, unit_of_mesh
 
@@ -256,8 +256,8 @@ def _scan(path: Path, cloud: Cloud | Mesh, scale: float | None, up: Up | None) -
         cloud = cloud._replace(notices=(*cloud.notices, *notices))
     if scale != 1.0:
         with np.errstate(over="ignore"):
-            viewpoint = None if cloud.viewpoint is None else cloud.viewpoint * scale
-            cloud = cloud._replace(points=cloud.points * scale, viewpoint=viewpoint)
+            viewpoint = None if cloud.viewpoint is None else in_metres(cloud.viewpoint, scale)
+            cloud = cloud._replace(points=in_metres(cloud.points, scale), viewpoint=viewpoint)
     return _scan_of_cloud(path, cloud, viewpoint_of(cloud.points, cloud.viewpoint))
 
 
@@ -276,7 +276,8 @@ def _placed(
     notices: tuple[str, ...] = ()
     if scale is None:
         scale, notices = (1.0, ()) if suffix in _IN_METRES else unit_of_mesh(mesh.vertices)
-    return turned_upright(mesh.vertices, up or _UP_OF_FORMAT.get(suffix, "z")) * scale, notices
+    upright = turned_upright(mesh.vertices, up or _UP_OF_FORMAT.get(suffix, "z"))
+    return in_metres(upright, scale), notices
 
 
 def _read(path: Path, read: Callable[[], Content]) -> Content:
