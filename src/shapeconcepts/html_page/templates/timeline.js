@@ -76,7 +76,7 @@ function drawTimeline(canvas) {
   context.textBaseline = "middle";
   drawCurve(context, x);
   drawBars(context, x, top, barHeight());
-  context.fillStyle = "#5b6070";
+  context.fillStyle = theme.quiet;
   context.textAlign = "center";
   for (const [time, text] of ticks(44 / (width - LEFT - RIGHT))) {
     context.fillText(text, x(time), top + barHeight() + 14);
@@ -106,17 +106,17 @@ function drawCurve(context, x) {
   filtration.stepEnds.forEach((end, i) => {
     const start = i === 0 ? 0 : filtration.stepEnds[i - 1];
     const isPeak = isBusiest && filtration.conceptTime !== null && Math.abs(end - filtration.conceptTime) < 1e-9;
-    context.fillStyle = isPeak ? ACCENT : start < state.time - 1e-9 ? "#7d8db0" : "#d3d7e0";
+    context.fillStyle = isPeak ? theme.accent : start < state.time - 1e-9 ? theme.past : theme.future;
     const left = x(start), right = x(end);
     context.fillRect(left, y(filtration.stepCounts[i]), Math.max(right - left - (right - left > 4 ? 1 : 0), 0.7), CURVE - y(filtration.stepCounts[i]));
   });
-  context.strokeStyle = "#c9cbd1";
+  context.strokeStyle = theme.future;
   context.lineWidth = 1;
   context.beginPath();
   context.moveTo(x(0), CURVE + 0.5);
   context.lineTo(x(1), CURVE + 0.5);
   context.stroke();
-  context.fillStyle = ACCENT;
+  context.fillStyle = theme.accent;
   for (const time of filtration.timesBetween) {
     context.beginPath();
     context.moveTo(x(time), CURVE - 1);
@@ -124,7 +124,7 @@ function drawCurve(context, x) {
     context.lineTo(x(time) + 4, CURVE + 7);
     context.fill();
   }
-  context.fillStyle = "#5b6070";
+  context.fillStyle = theme.quiet;
   context.textAlign = "right";
   context.fillText(most < 1e5 ? WHOLE.format(most) : `${WHOLE.format(most / 1000)} k`, LEFT - 6, y(most));
   context.fillText("0", LEFT - 6, CURVE);
@@ -164,7 +164,7 @@ function drawBars(context, x, top, height) {
 function drawCursor(context, x, top) {
   const line = (time, dashes, thick, note) => {
     context.setLineDash(dashes);
-    context.strokeStyle = context.fillStyle = ACCENT;
+    context.strokeStyle = context.fillStyle = theme.accent;
     context.lineWidth = thick;
     context.beginPath();
     context.moveTo(x(time), 14);
@@ -183,6 +183,6 @@ function drawCursor(context, x, top) {
   }
   context.beginPath();
   context.arc(x(state.time), CURVE + GAP / 2, 7, 0, 2 * Math.PI);
-  context.fillStyle = ACCENT;
+  context.fillStyle = theme.accent;
   context.fill();
 }
