@@ -1,0 +1,91 @@
+"""`shapeconcepts explore`: a model in the browser, to be looked at, named and corrected."""
+
+from __future__ import annotations
+
+import errno
+import webbrowser
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from shapeconcepts.cli.options import (
+    DepthScale,
+    Intrinsics,
+    Mask,
+    ModelFile,
+    Units,
+    Up,
+    read_options,
+)
+from shapeconcepts.cli.terminal import fail, tell
+
+_PACKAGES = {"starlette", "uvicorn"}
+
+
+def explore(
+    model: ModelFile,
+    scans: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--scans",
+            metavar="DATA",
+            show_default=False,
+            help="Where the scans are that the model was learned from, as given to `learn`. May be given "
+            "several times. Without it there are no pictures.",
+        ),
+    ] = None,
+    port: Annotated[
+        int,
+        typer.Option(min=0, max=65535, metavar="N", help="Port on this computer.", show_default="a free one"),
+    ] = 0,
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Only say the address.")] = False,
+    intrinsics: Intrinsics = None,
+    depth_scale: DepthScale = None,
+    mask: Mask = None,
+    units: Units = "auto",
+    up: Up = None,
+) -> None:
+    """Look at a model in the browser, name its concepts and correct them, until Ctrl-C.
+
+    Each correction is on the disk before it is shown, in a journal beside the model: MODEL.journal. Only this
+    computer is answered, at an address that nobody else knows.
+    """
+    if not model.is_file():
+        fail(f"{model}: there is no such file")
+    for place in scans or ():
+        if not place.exists():
+            fail(f"{place}: there is no such file or folder")
+    reading = read_options(intrinsics, depth_scale, mask, units, up)
+    try:
+        from shapeconcepts.explorer.server import ExplorerServer
+        from shapeconcepts.explorer.session import Session
+    except ModuleNotFoundError as error:
+        if error.name not in _PACKAGES:
+            raise
+        fail(f"the explorer needs the package {error.name}: pip install 'shapeconcepts[explorer]'")
+    session = Session(model, scans or [], reading)
+    try:
+        server = ExplorerServer(session, port)
+    except OSError as error:
+        if error.errno == errno.EADDRINUSE:
+            fail(f"port {port} is taken: give another --port, or none for a free one")
+        fail(f"cannot listen on port {port}: {error.strerror or error}")
+    server.start()
+    # At once, whoever reads it.
+    tell(server.address)
+    if not no_browser:
+        webbrowser.open(server.address)
+    _serve(session)
+
+
+def _serve(session: object) -> None:
+    """Read the model while the page is opened already, and keep it as its file is, until the process ends."""
+    from shapeconcepts.explorer.session import Session
+
+    assert isinstance(session, Session)
+    session.open()
+    import time
+
+    while True:
+        time.sleep(1)

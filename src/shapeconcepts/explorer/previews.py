@@ -1,0 +1,75 @@
+"""Pictures of scans, made when they are asked for."""
+
+from __future__ import annotations
+
+import struct
+from collections import OrderedDict
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from os import cpu_count
+from threading import Lock
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from shapeconcepts.report.html import ScanPreview
+    from shapeconcepts.segmentation import SegmentedObject
+
+N_ELEMENTS = 300
+MOST_BYTES_KEPT = 64_000_000
+_HEADER = struct.Struct("<IHHfffff")
+
+
+class Previews:
+    """Makes previews in a few threads, each once, and keeps the latest ones.
+
+    Kernels run without the lock of Python, so that threads keep as many cores busy.
+
+    Parameters
+    ----------
+    segmented : callable
+        The segmented scan of a row; whatever it raises, there is no picture then.
+    """
+
+    def __init__(self, segmented: Callable[[int], SegmentedObject]) -> None:
+        self._segmented = segmented
+        self._threads = ThreadPoolExecutor(cpu_count() or 1, "previews")
+        self._lock = Lock()
+        self._made: OrderedDict[int, Future[bytes]] = OrderedDict()
+        self._n_bytes = 0
+
+    def of(self, row: int) -> Future[bytes]:
+        """The packed preview of a scan, which may still be in the making."""
+        with self._lock:
+            future = self._made.get(row)
+            if future is None:
+                future = self._made[row] = self._threads.submit(self._make, row)
+            self._made.move_to_end(row)
+            return future
+
+    def close(self) -> None:
+        """Make no more."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+
+    def _make(self, row: int) -> bytes:
+        from shapeconcepts.report.html import preview
+
+        try:
+            packed = pack(row, preview(self._segmented(row), N_ELEMENTS))
+        except Exception:  # why there is none is said where the one scan is asked for
+            packed = pack(row, None)
+        with self._lock:
+            self._n_bytes += len(packed)
+            while self._n_bytes > MOST_BYTES_KEPT:
+                oldest = next((key for key, one in self._made.items() if one.done()), None)
+                if oldest is None:
+                    break
+                self._n_bytes -= len(self._made.pop(oldest).result())
+        return packed
+
+
+def pack(row: int, one: ScanPreview | None) -> bytes:
+    """A preview as it is sent: row, number of elements, 0, extent, spacing, sides, and the elements."""
+    if one is None:
+        return _HEADER.pack(row, 0, 0, 0, 0, 0, 0, 0)
+    header = _HEADER.pack(row, len(one.positions), 0, one.extent, one.spacing, *one.sides)
+    return header + one.to_bytes()
