@@ -1,6 +1,6 @@
 """Who is answered: the page itself, and whoever was told its address.
 
-The address holds a token, and its host is this computer's: a page of another origin does not know the one, and
+The address holds a token, and its host is this computer's: a page of another origin does not know the one and
 is not at the other even where its own name leads here (DNS rebinding).
 """
 
