@@ -112,7 +112,7 @@ class Answers(TransformerMixin):
         ValueError
             If there is no tree, as a time makes the concepts, or `n_groups` is not a positive integer.
         """
-        check_is_fitted(self, "response_")
+        check_is_fitted(self, "filtration_")
         check_integer("n_groups", n_groups, 1)
         self.consolidate()
         tree = self.filtration_.group_tree().coarsest(n_groups)
@@ -168,7 +168,7 @@ class Answers(TransformerMixin):
         UserWarning
             If there are too few training scans to promise such a rate: nothing is called unknown.
         """
-        check_is_fitted(self, "response_")
+        check_is_fitted(self, "filtration_")
         self._check_rate(unknown_rate)
         described = self._described(X)
         stimuli = self._rows(described, self.ensemble_.transform)
@@ -222,7 +222,7 @@ class Answers(TransformerMixin):
         (n,) float64 or None
             NaN for a scan that was skipped. None where the ensemble is one of one's own.
         """
-        check_is_fitted(self, "response_")
+        check_is_fitted(self, "filtration_")
         self.consolidate()
         if self.novelty_ is None:
             return None
@@ -239,7 +239,7 @@ class Answers(TransformerMixin):
         ScanError
             If the scan cannot be described.
         """
-        check_is_fitted(self, "response_")
+        check_is_fitted(self, "filtration_")
         described = describe_scan(self.segmenter_, self.descriptor_, scan)
         if isinstance(described, ScanError):
             raise described
@@ -252,7 +252,7 @@ class Answers(TransformerMixin):
         return replace(explanation, foreign=foreign)
 
     def _described(self, X: Iterable[object]) -> list[DescribedObject | None]:
-        check_is_fitted(self, "response_")
+        check_is_fitted(self, "filtration_")
         self.ensemble_.n_jobs = self.n_jobs
         results = describe_scans(scans_in(X), self.segmenter_, self.descriptor_, self.n_jobs)
         return [one.described for one in results]

@@ -16,7 +16,7 @@ from sklearn.base import clone
 from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.answers import Answers
-from shapeconcepts.concepts import Filtration
+from shapeconcepts.concepts import Concept, Filtration
 from shapeconcepts.concepts.identity import identities_after
 from shapeconcepts.concepts.novelty import Novelty
 from shapeconcepts.descriptors import DescribedObject, describe_scans, scans_in
@@ -72,7 +72,7 @@ class ContinuedLearning(Answers):
         self
             `labels_`, `concepts_`, `stimuli_` and the names tell of all scans.
         """
-        if not hasattr(self, "response_"):
+        if not hasattr(self, "filtration_"):
             return self.fit(X)
         stages = self.ensemble_, self.filtration_
         if not isinstance(stages[0], MotifHierarchyEnsemble) or not isinstance(stages[1], Filtration):
@@ -107,11 +107,13 @@ class ContinuedLearning(Answers):
         self
             `history_` has one `Update` more.
         """
-        check_is_fitted(self, "response_")
+        check_is_fitted(self, "filtration_")
         if not self._waiting:
             return self
-        before, keys_before = self.labels_, [concept.key for concept in self.concepts_]
-        names = {concept.key: concept.name for concept in self.concepts_}
+        self._keep_names_set_by_hand()
+        before, keys_before = self.filtration_.labels_, _keys(self.filtration_.concepts_)
+        names = {concept.key: concept.name for concept in self.filtration_.concepts_}
+        shown_before, shown_keys_before = self.labels_, _keys(self.concepts_)
         ensemble = copy.copy(self.ensemble_).set_params(n_jobs=self.n_jobs)
         if described := [one.described for one in self._waiting if one.described]:
             ensemble.partial_fit(described)
@@ -123,14 +125,12 @@ class ContinuedLearning(Answers):
         novelty = Novelty(ensemble.hierarchies_.object_histograms, n_jobs=self.n_jobs)
 
         labels, n_concepts = filtration.labels_, len(filtration.concepts_)
-        n_old = len(before) - len(self._waiting)
-        identities = identities_after(before[:n_old], labels, keys_before, n_concepts, self.n_identities_)
+        identities = identities_after(before, labels, keys_before, n_concepts, self.n_identities_)
         for concept, key in zip(filtration.concepts_, identities.keys, strict=True):
             concept.key, concept.name = key, names.get(key, "")
         _carry_names_of_groups(self.filtration_, filtration)
-        moved = _moved(before, labels, keys_before, identities.keys)
-        update = Update(n_old, len(labels), identities.changes, moved)
-        return self._remember(
+        earlier = tuple(update._replace(moved=()) for update in self.history_)
+        self._remember(
             ModelState(
                 self.segmenter_,
                 self.descriptor_,
@@ -143,9 +143,11 @@ class ContinuedLearning(Answers):
                 self.skipped_,
                 novelty,
                 identities.n_given,
-                (*(earlier._replace(moved=()) for earlier in self.history_), update),
             )
         )
+        moved = _moved(shown_before, self.labels_, shown_keys_before, _keys(self.concepts_))
+        self.history_ = (*earlier, Update(len(before), len(labels), identities.changes, moved))
+        return self
 
     def take_identities(self, earlier: ContinuedLearning) -> Any:
         """Give concepts the identities and names that they have in an earlier model with some of the scans.
@@ -168,27 +170,43 @@ class ContinuedLearning(Answers):
         ValueError
             If the models have no scan in common.
         """
-        check_is_fitted(self, "response_")
-        check_is_fitted(earlier, "response_")
+        check_is_fitted(self, "filtration_")
+        check_is_fitted(earlier, "filtration_")
         rows, rows_before = _in_both(self.scan_names_, earlier.scan_names_)
         if not len(rows):
             raise ValueError("earlier must be a model of some of the same scans, got one without any of them")
         others = np.setdiff1d(np.arange(len(self.labels_)), rows)
-        before, after = earlier.labels_[rows_before], self.labels_[np.concatenate([rows, others])]
-        concepts, keys_before = self.filtration_.concepts_, [one.key for one in earlier.concepts_]
-        names = {one.key: one.name for one in earlier.concepts_}
+        keys_before = _keys(earlier.filtration_.concepts_)
+        before = earlier._learned_labels[rows_before]
+        after = self._learned_labels[np.concatenate([rows, others])]
+        concepts, names = self.filtration_.concepts_, {one.key: one.name for one in earlier.concepts_}
         found = identities_after(before, after, keys_before, len(concepts), earlier.n_identities_)
         for concept, key in zip(concepts, found.keys, strict=True):
             concept.key, concept.name = key, names.get(key, concept.name)
         moved = tuple(
             (int(rows[row]), key_before, key)
-            for row, key_before, key in _moved(before, after, keys_before, found.keys)
+            for row, key_before, key in _moved(before, after, keys_before, list(found.keys))
         )
         update = Update(len(rows), len(self.labels_), found.changes, moved)
         # Of a model of more scans than this one has, updates cannot be told.
         told = [one._replace(moved=()) for one in earlier.history_ if one.n_after <= len(self.labels_)]
-        state = ModelState(*(getattr(self, f"{name}_") for name in ModelState._fields))
+        state = self._state()
         return self._remember(state._replace(n_identities=found.n_given, history=(*told, update)))
+
+    def _keep_names_set_by_hand(self) -> None:
+        """Let names that were given to concepts themselves be known."""
+        raise NotImplementedError
+
+    @property
+    def _learned_labels(self) -> NDArray[np.int32]:
+        """Concept of each scan as learned, as a position in those of the filtration.
+
+        Of one that joined since, what it was recognised as, if that was learned.
+        """
+        learned = self.filtration_.labels_
+        number_of = {key: number for number, key in enumerate(_keys(self.filtration_.concepts_))}
+        numbers = np.array([*(number_of.get(key, -1) for key in _keys(self.concepts_)), -1], np.int32)
+        return np.concatenate([learned, numbers[self.labels_[len(learned) :]]])
 
     @property
     def pool_(self) -> NDArray[np.int64]:
@@ -243,6 +261,10 @@ class ContinuedLearning(Answers):
         )
 
 
+def _keys(concepts: Iterable[Concept]) -> list[int]:
+    return [concept.key for concept in concepts]
+
+
 def _with_its_dictionary_renewed(ensemble: MotifHierarchyEnsemble) -> MotifHierarchyEnsemble:
     """The ensemble, with words of all segments where it learned them itself, from less than half of these."""
     known, has_its_own = ensemble.hierarchies_, not hasattr(ensemble.dictionary, "words_")
@@ -275,7 +297,7 @@ def _carry_names_of_groups(before: Filtration, after: Filtration) -> None:
 
 
 def _moved(
-    before: NDArray[np.integer], after: NDArray[np.integer], keys_before: list[int], keys: tuple[int, ...]
+    before: NDArray[np.integer], after: NDArray[np.integer], keys_before: list[int], keys: list[int]
 ) -> tuple[tuple[int, int, int], ...]:
     """Scans that are in a concept of another identity than before, with both identities, -1 for none."""
     of_before = np.array([*keys_before, -1])[before]

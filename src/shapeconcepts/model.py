@@ -16,7 +16,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.concepts import Concept, ConceptResponse, ConceptTree, Filtration
 from shapeconcepts.concepts.novelty import Novelty
-from shapeconcepts.continued_learning import ContinuedLearning
+from shapeconcepts.corrections import Corrections, Journal
 from shapeconcepts.descriptors import (
     Descriptor,
     describe_scans,
@@ -33,7 +33,7 @@ from shapeconcepts.segmentation import SegmentedObject, Segmenter
 PRESETS = ("default", "paper")
 
 
-class ShapeConceptModel(ContinuedLearning, StagesMixin, ClusterMixin, BaseEstimator):
+class ShapeConceptModel(Corrections, StagesMixin, ClusterMixin, BaseEstimator):
     """Learns shape concepts from scans of objects, without labels.
 
     A scan is cut into surface segments, which histograms describe; its constellations of segments are turned
@@ -177,6 +177,7 @@ class ShapeConceptModel(ContinuedLearning, StagesMixin, ClusterMixin, BaseEstima
         """
         # What is wrong is said before hours of segmentation.
         check_parameters(self)
+        self._journal = Journal()
         scans = scans_in(X)
         segmenter, descriptor = self._stage("segmenter"), clone(self.descriptor, safe=False)
         ensemble, filtration, response = map(self._stage, ("ensemble", "filtration", "response"))
@@ -225,7 +226,7 @@ class ShapeConceptModel(ContinuedLearning, StagesMixin, ClusterMixin, BaseEstima
 
     def get_feature_names_out(self, input_features: object = None) -> NDArray[np.object_]:
         """Names of the columns of `transform`: the concepts' own, with their numbers where they are equal."""
-        check_is_fitted(self, "response_")
+        check_is_fitted(self, "filtration_")
         names = [concept.name or f"concept{number}" for number, concept in enumerate(self.concepts_)]
         while len(set(names)) < len(names):
             counts = Counter(names)
@@ -242,9 +243,9 @@ class ShapeConceptModel(ContinuedLearning, StagesMixin, ClusterMixin, BaseEstima
         self.consolidate()
         filtration = self.filtration_.at_granularity(granularity)
         response = clone(self.response_).fit(self.stimuli_, filtration.labels_)
-        state = ModelState(*(getattr(self, f"{name}_") for name in ModelState._fields))
         other = ShapeConceptModel(**self.get_params(deep=False))
-        return other._remember(state._replace(filtration=filtration, response=response))
+        other._journal = self._journal
+        return other._remember(self._state()._replace(filtration=filtration, response=response))
 
     def segment(self, scan: object) -> SegmentedObject:
         """Segments of a scan, cut as by this model; see `Segmenter.segment`."""
@@ -252,27 +253,43 @@ class ShapeConceptModel(ContinuedLearning, StagesMixin, ClusterMixin, BaseEstima
         return segmenter.segment(scan)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Write the model to a file that `load_model` reads; see `shapeconcepts.model_file.write_state`."""
+        """Write the model to a file that `load_model` reads; see `shapeconcepts.model_file.write_state`.
+
+        What was said of its concepts goes into a journal beside the file; see `write_journal`.
+        """
         self.consolidate()
-        write_state(path, ModelState(*(getattr(self, f"{name}_") for name in ModelState._fields)))
+        self._keep_names_set_by_hand()
+        write_state(path, self._state())
+        self.write_journal(path)
+
+    def _state(self) -> ModelState:
+        """What was learned, without corrections."""
+        fitted = {name: getattr(self, f"{name}_") for name in ModelState._fields if name != "response"}
+        return ModelState(**fitted, response=self._learned_response)
 
     def _remember(self, state: ModelState) -> ShapeConceptModel:
         """Be fitted."""
         for name, value in state._asdict().items():
             setattr(self, f"{name}_", value)
-        self.concepts_: list[Concept] = state.filtration.concepts_
+        learned: list[Concept] = state.filtration.concepts_
         self.concept_tree_: ConceptTree | None = state.filtration.concept_tree_
-        self.labels_: NDArray[np.int32] = state.filtration.labels_.copy()
         self.n_features_in_ = 3
         # Counted by the filtration, whose other cuts give identities, too.
         counter: list[int] = state.filtration.__dict__.setdefault("_n_identities", [0])
-        counter[0] = max(counter[0], state.n_identities, *(concept.key + 1 for concept in self.concepts_), 0)
-        for concept in self.concepts_:
+        counter[0] = max(counter[0], state.n_identities, *(concept.key + 1 for concept in learned), 0)
+        for concept in learned:
             if concept.key < 0:
                 concept.key, counter[0] = counter[0], counter[0] + 1
         self.n_identities_ = counter[0]
-        self._waiting, self._is_novel = [], []
+        self._waiting, self._is_novel, self._likeness = [], [], None
+        self._correct()
         return self
+
+    def _reserve_identities(self, n: int) -> None:
+        """Let identities up to a number be given."""
+        counter: list[int] = self.filtration_._n_identities
+        counter[0] = max(counter[0], n)
+        self.n_identities_ = counter[0]
 
 
 def load_model(path: str | PathLike[str]) -> ShapeConceptModel:
@@ -297,4 +314,6 @@ def load_model(path: str | PathLike[str]) -> ShapeConceptModel:
     state = read_state(path)
     stages: Any = {name: getattr(state, name) for name in STAGES}
     model = ShapeConceptModel(**{name: clone(stage, safe=False) for name, stage in stages.items()})
-    return model._remember(state)
+    model._remember(state)
+    model._read_journal(path)
+    return model

@@ -126,16 +126,53 @@ class Novelty:
         members = self.distances[concept_of == concept]
         return members if concept >= 0 and len(members) >= LEAST_MEMBERS else self.distances
 
+    def neighbours(
+        self, histograms: NDArray[np.float16], n_nearest: int, n_jobs: int | None = None
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """The nearest other training objects of each.
+
+        Parameters
+        ----------
+        histograms : (n, b) float16
+            As the parameter of the class.
+        n_nearest : int
+            Fewer if there are fewer.
+        n_jobs : int or None
+            As in joblib. The result does not depend on it.
+
+        Returns
+        -------
+        (n, k) int64
+            Training objects, the nearest first. Of more than 4096 a sample stands for all.
+        (n, k) float64
+            How far they are, 0 to 1.
+        """
+        nearest = partial(self._nearest, histograms, min(n_nearest, max(len(self._compared) - 1, 0)))
+        starts = range(0, len(histograms), _AT_ONCE)
+        found = list(map_in_order(nearest, starts, n_jobs, share_memory=True))
+        return np.concatenate([one for one, _ in found]), np.concatenate([one for _, one in found])
+
     @property
     def smallest_rate(self) -> float:
         """The smallest rate of false alarms that so many training objects can promise."""
         return 1 / (1 + len(self.distances))
 
     def _training_distances(self, histograms: NDArray[np.float16], start: int) -> NDArray[np.float64]:
+        return np.minimum(self._to_others(histograms, start).min(axis=1, initial=np.inf), 1.0)
+
+    def _nearest(
+        self, histograms: NDArray[np.float16], n_nearest: int, start: int
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        distances = self._to_others(histograms, start)
+        order = np.argsort(distances, axis=1, kind="stable")[:, :n_nearest]
+        return self._compared[order], np.clip(np.take_along_axis(distances, order, axis=1), 0.0, 1.0)
+
+    def _to_others(self, histograms: NDArray[np.float16], start: int) -> NDArray[np.float64]:
+        """Distances of training objects to those compared; infinite to itself."""
         distances = self._to_all(histograms[start : start + _AT_ONCE])
         own = np.arange(start, start + len(distances))
         distances[self._compared == own[:, None]] = np.inf
-        return np.minimum(distances.min(axis=1, initial=np.inf), 1.0)
+        return distances
 
     def _to_all(self, wholes: NDArray[np.float16]) -> NDArray[np.float64]:
         distances = np.empty((len(wholes), self._roots.shape[1]))

@@ -1,0 +1,447 @@
+"""The part of a model that the user corrects: names, merges, splits, moves, links, and what was said when."""
+
+from __future__ import annotations
+
+import secrets
+import warnings
+from collections.abc import Iterable
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.base import clone
+from sklearn.utils.validation import check_is_fitted
+
+from shapeconcepts.continued_learning import ContinuedLearning
+from shapeconcepts.corrections.corrected_concepts import corrected_concepts
+from shapeconcepts.corrections.doubt import Likeness, doubts
+from shapeconcepts.corrections.edit import NONE, Edit, Link
+from shapeconcepts.corrections.edit_maker import ConceptLike, EditMaker, ScanLike, edit_of_name
+from shapeconcepts.corrections.journal import Journal
+from shapeconcepts.corrections.journal_file import JournalFile
+from shapeconcepts.corrections.question import Question, next_question
+from shapeconcepts.corrections.replay import Corrected, contradicted_links, replay
+from shapeconcepts.corrections.scan_references import ScanReferences
+from shapeconcepts.parameters import check_share
+from shapeconcepts.topology.divergence import jensen_shannon_divergences
+
+# So many tell of each scan which concepts are near.
+_N_NEAREST = 32
+_AT_ONCE = 256
+
+
+class Corrections(ContinuedLearning):
+    """What a user says of the concepts of a model, and the concepts as they are then.
+
+    Nothing that was learned is lost: edits are applied to it in their order, and again after each update. So
+    each can be undone, and `concepts_` and `labels_` are always those with all edits.
+    """
+
+    _journal: Journal = Journal()
+    _corrected: Corrected
+    _references: ScanReferences
+    _likeness: Likeness | None
+    _contradicted: list[Link]
+    _response: Any
+    _learned_response: Any
+    _place: Path | None = None
+
+    # What was said.
+
+    @property
+    def journal(self) -> tuple[Edit, ...]:
+        """All edits, the oldest first; each tells whether it is undone, and why it no longer fits."""
+        check_is_fitted(self, "filtration_")
+        unfit = dict(self._corrected.unfit)
+        for edit in self._journal.in_force:
+            if edit.kind == "link" and any(link in self._contradicted for link in self._links_of(edit)):
+                unfit.setdefault(edit.number, "scans that it links were moved since")
+        return tuple(
+            replace(edit, unfit="" if edit.is_undone else unfit.get(edit.number, ""))
+            for edit in self._journal.edits
+        )
+
+    @property
+    def links(self) -> tuple[Link, ...]:
+        """Scans that the user wants together or apart."""
+        check_is_fitted(self, "filtration_")
+        return tuple(self._corrected.links)
+
+    @property
+    def foreign_(self) -> NDArray[np.int64]:
+        """Scans that the user marked as foreign, as rows of `labels_`, rising."""
+        return np.flatnonzero(self._corrected.is_foreign)
+
+    @property
+    def certain_(self) -> NDArray[np.int64]:
+        """Scans of which the user said where they belong, as rows of `labels_`, rising."""
+        return np.flatnonzero(self._corrected.is_certain)
+
+    # What can be said.
+
+    def rename(self, concept: ConceptLike, name: str) -> Edit:
+        """Call a concept something; an empty name takes its name away.
+
+        Like all methods that say something, it is applied at once, and `undo` takes it back.
+
+        Parameters
+        ----------
+        concept : int or Concept
+            A key, or one of `concepts_`.
+        name : str
+
+        Returns
+        -------
+        Edit
+
+        Raises
+        ------
+        ValueError
+            If there is no such concept.
+        """
+        return self._say(self._maker().rename(concept, name))
+
+    def merge(self, concepts: Iterable[ConceptLike], name: str = "") -> Edit:
+        """Make several concepts one, which keeps the key of the largest.
+
+        Parameters
+        ----------
+        concepts : iterable of int or Concept
+            Two at least.
+        name : str
+            What it is called; by default as the first of them that has a name.
+
+        Returns
+        -------
+        Edit
+
+        Raises
+        ------
+        ValueError
+            If there are fewer than two, or one is not there.
+        """
+        return self._say(self._maker().merge(concepts, name))
+
+    def split(self, concept: ConceptLike, scans: Iterable[ScanLike] | None = None) -> Edit:
+        """Make two concepts of one, of which one keeps its key and its name.
+
+        Parameters
+        ----------
+        concept : int or Concept
+        scans : iterable of int or str, optional
+            Some of its scans, as rows or names, which become a concept of their own. By default it falls into
+            two along the tree of the filtration, and the larger one keeps the key; scans that joined late go
+            with the more alike part.
+
+        Returns
+        -------
+        Edit
+            Its `made` holds the key of the new concept.
+
+        Raises
+        ------
+        ValueError
+            If there is no such concept, a scan is not in it, none would be left, or it has no parts.
+        """
+        return self._say(self._maker().split(concept, scans, self.filtration_.group_tree))
+
+    def move(self, scans: Iterable[ScanLike], concept: ConceptLike | None = None, name: str = "") -> Edit:
+        """Say in which concept scans belong.
+
+        Parameters
+        ----------
+        scans : iterable of int or str
+            Rows or names.
+        concept : int, Concept or None
+            None makes a new concept of them.
+        name : str
+            Of the new concept.
+
+        Returns
+        -------
+        Edit
+
+        Raises
+        ------
+        ValueError
+            If there is no such concept or scan.
+        """
+        return self._say(self._maker().move(scans, concept, name))
+
+    def mark_foreign(self, scans: Iterable[ScanLike]) -> Edit:
+        """Say that scans are none of the objects that this is about; they are in no concept then."""
+        return self._say(self._maker().foreign(scans))
+
+    def confirm(self, scans: Iterable[ScanLike]) -> Edit:
+        """Say that scans are in the right concepts, so that they are not asked for again.
+
+        Raises
+        ------
+        ValueError
+            If one is in none.
+        """
+        return self._say(self._maker().confirm(scans))
+
+    def link(self, first: ScanLike, second: ScanLike, together: bool = True) -> Edit:
+        """Say that two scans belong in one concept (must-link), or in different ones (cannot-link).
+
+        The second one follows: to the concept of the first one, with all that are linked with it; or to the
+        concept of the most alike scan that is in another one, or to none. Where what is said later breaks a
+        link, `journal` tells.
+
+        Raises
+        ------
+        ValueError
+            If there is no such scan, both are the same, or the first one is in no concept.
+        """
+        likeness = self.likeness() if not together and self.novelty_ is not None else None
+        return self._say(self._maker().link(first, second, together, likeness))
+
+    def recut(self, granularity: float) -> Edit:
+        """Take the concepts at another granularity.
+
+        They keep keys and names as after an update. What was said of single scans stays: one that was put
+        into another concept than its like goes where the most of that concept go.
+
+        Raises
+        ------
+        ValueError
+            If `granularity` is not between 0 and 1, there is no tree of concepts, or nothing would change.
+        """
+        return self._say(self._maker().recut(self.concepts_at(granularity), granularity))
+
+    def propagate(self, rate: float = 0.05) -> Edit:
+        """Put scans that are in no named concept into those that they can only be in.
+
+        Parameters
+        ----------
+        rate : float
+            Of scans like those in a named concept, the share that may be left out, 0 to 1; see
+            `shapeconcepts.corrections.doubt.confident`. Scans that may be in several, or in none, stay.
+
+        Returns
+        -------
+        Edit
+
+        Raises
+        ------
+        ValueError
+            If no concept has a name, or there is no scan that can be put anywhere.
+        """
+        check_share("rate", rate)
+        return self._say(self._maker().propagate(rate, self.likeness()))
+
+    def undo(self) -> Edit:
+        """Undo the last edit that is not undone; all of them can be, one after the other.
+
+        Returns
+        -------
+        Edit
+            The one that is undone.
+
+        Raises
+        ------
+        ValueError
+            If there is none.
+        """
+        check_is_fitted(self, "filtration_")
+        last = self._journal.last_done
+        if last is None:
+            raise ValueError("there is nothing to undo")
+        self._say(Edit(0, "undo", f"Undone: {last.text}", of=last.number))
+        return replace(last, is_undone=True)
+
+    def redo(self) -> Edit:
+        """Do again what was undone last, if nothing else was said since.
+
+        Returns
+        -------
+        Edit
+
+        Raises
+        ------
+        ValueError
+            If there is none.
+        """
+        check_is_fitted(self, "filtration_")
+        last = self._journal.last_undone
+        if last is None:
+            raise ValueError("there is nothing to do again")
+        self._say(Edit(0, "redo", f"Done again: {last.text}", of=last.number))
+        return last
+
+    # What to ask.
+
+    def likeness(self) -> Likeness:
+        """The most alike other scans of each, computed when it is first asked for.
+
+        Raises
+        ------
+        ValueError
+            If the ensemble is one of one's own.
+        """
+        self.consolidate()
+        if self._likeness is None:
+            if self.novelty_ is None:
+                raise ValueError("likeness needs a MotifHierarchyEnsemble, the ensemble is one of one's own")
+            n = len(self.labels_)
+            histograms = self.ensemble_.hierarchies_.object_histograms
+            objects = np.flatnonzero(~np.isin(np.arange(n), list(self.skipped_)))
+            nearest, far = self.novelty_.neighbours(histograms, _N_NEAREST, self.n_jobs)
+            neighbours = np.full((n, nearest.shape[1]), -1)
+            distances = np.ones(neighbours.shape)
+            neighbours[objects], distances[objects] = objects[nearest], far
+            self._likeness = Likeness(neighbours, distances)
+        return self._likeness
+
+    def doubts(self) -> NDArray[np.float64]:
+        """How much nearer each scan is to another concept than to its own, (n,) float64 from 0 to 1.
+
+        See `shapeconcepts.corrections.doubt.doubts`.
+        """
+        return doubts(self._corrected, self.likeness())
+
+    def next_question(self) -> Question | None:
+        """What to ask the user: the question that decides the most scans, or None."""
+        likeness = self.likeness()
+        return next_question(self.concepts_, self._corrected, likeness, doubts(self._corrected, likeness))
+
+    # The journal beside the model's file.
+
+    def write_journal(self, path: str | PathLike[str]) -> None:
+        """Add to the journal beside a model's file what it does not hold yet.
+
+        All of it is on the disk when this returns. A journal of another model that lies there is renamed.
+
+        Raises
+        ------
+        ModelError
+            If it holds edits that this model does not know, or is damaged.
+        OSError
+            If it cannot be written.
+
+        Warns
+        -----
+        UserWarning
+            If there was a journal of another model.
+        """
+        check_is_fitted(self, "filtration_")
+        file = JournalFile(path)
+        there = file.read()
+        is_own = there.identity == self._journal.identity or not there.identity
+        is_own |= not self._journal.identity and self._place == file.path
+        if not is_own:
+            aside = file.set_aside()
+            warnings.warn(f"{file.path} was of another model: it is {aside} now", UserWarning, stacklevel=3)
+        elif there.goes_on_from(self._journal):
+            # What was said to another process since stays there.
+            self._place = file.path
+            return
+        file.append(self._journal)
+        self._place = file.path
+
+    def _read_journal(self, path: str | PathLike[str]) -> None:
+        """Take the edits beside a model's file."""
+        file = JournalFile(path)
+        self._journal, self._place = file.read(), file.path
+        self._correct()
+
+    def take_identities(self, earlier: ContinuedLearning) -> Any:
+        """As without corrections; those of the earlier model are taken, too, unless this one has its own."""
+        super().take_identities(earlier)
+        if not self._journal.lines and isinstance(earlier, Corrections):
+            self._journal = earlier._journal
+            self._correct()
+        return self
+
+    # How it works.
+
+    def _correct(self) -> None:
+        """Let concepts and labels be those with all edits."""
+        learned = self.filtration_.concepts_
+        labels = self.filtration_.labels_
+        keys = np.array([*(concept.key for concept in learned), NONE], np.int64)[labels]
+        names = {concept.key: concept.name for concept in learned}
+        next_key = max(self.n_identities_, self._journal.next_key)
+        self._references = ScanReferences(self.scan_names_)
+        edits = self._journal.in_force
+        self._corrected = replay(keys, names, next_key, edits, self._references, self._most_alike)
+        self._reserve_identities(self._corrected.next_key)
+        self._contradicted = contradicted_links(self._corrected)
+        is_changed = not np.array_equal(keys, self._corrected.keys)
+        renamed = {key: name for key, name in self._corrected.names.items() if names.get(key) != name}
+        self.concepts_ = learned
+        if is_changed or renamed:
+            self.concepts_ = corrected_concepts(self._corrected, learned, keys, self.filtration_.space_)
+        number_of = {concept.key: number for number, concept in enumerate(self.concepts_)}
+        keys_now, where = np.unique(self._corrected.keys, return_inverse=True)
+        numbers = np.array([number_of.get(int(key), -1) for key in keys_now], np.int32)
+        self.labels_ = numbers[where].astype(np.int32)
+        self._response = None if is_changed else self._learned_response
+
+    @property
+    def response_(self) -> Any:
+        """Fitted to the concepts as they are, once it is asked for."""
+        if self._response is None:
+            self._response = clone(self._learned_response).fit(self.stimuli_, self.labels_)
+        return self._response
+
+    @response_.setter
+    def response_(self, response: Any) -> None:
+        self._learned_response = self._response = response
+
+    def _say(self, edit: Edit) -> Edit:
+        before = self._journal
+        self._journal = before.with_edit(edit, secrets.token_hex(8))
+        try:
+            self._correct()
+        except BaseException:
+            self._journal = before
+            self._correct()
+            raise
+        return self._journal.lines[-1]
+
+    def _reserve_identities(self, n: int) -> None:
+        raise NotImplementedError
+
+    def _keep_names_set_by_hand(self) -> None:
+        # As `concept.name = ...`.
+        learned = {concept.key: concept for concept in self.filtration_.concepts_}
+        renamed = {key for edit in self._journal.in_force for key, _ in edit.names}
+        for concept in self.concepts_:
+            if concept.name == self._corrected.names.get(concept.key, ""):
+                continue
+            if concept.key in learned and concept.key not in renamed:
+                learned[concept.key].name = concept.name
+            else:
+                self._journal = self._journal.with_edit(
+                    edit_of_name(concept, concept.name), secrets.token_hex(8)
+                )
+
+    def _maker(self) -> EditMaker:
+        check_is_fitted(self, "filtration_")
+        self.consolidate()
+        return EditMaker(
+            self.concepts_,
+            self._corrected,
+            self._references,
+            self.scan_names_,
+            self.skipped_,
+            max(self._corrected.next_key, self._journal.next_key, self.n_identities_),
+            self._most_alike,
+        )
+
+    def _most_alike(self, rows: NDArray[np.int64], candidates: NDArray[np.int64]) -> NDArray[np.int64]:
+        stimuli = self.stimuli_
+        found = [np.empty(0, np.int64)]
+        for start in range(0, len(rows), _AT_ONCE):
+            some = stimuli[rows[start : start + _AT_ONCE]]
+            found.append(jensen_shannon_divergences(some, stimuli[candidates]).argmin(axis=1))
+        return np.concatenate(found)
+
+    def _links_of(self, edit: Edit) -> list[Link]:
+        rows = [self._references.rows([a, b]).tolist() for a, b, _ in edit.linked]
+        return [Link(a, b, one[2]) for (a, b), one in zip(rows, edit.linked, strict=True)]

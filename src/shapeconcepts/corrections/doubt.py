@@ -1,0 +1,113 @@
+"""How sure it is where each scan belongs, by the most alike scans of each concept."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shapeconcepts.corrections.edit import NONE
+from shapeconcepts.corrections.replay import Corrected
+
+# Neighbours of a concept that a scan's distance to it is the mean of: one may be wrong itself.
+_SEVERAL = 3
+# Scans whose distances tell what the scans of a concept are like: fewer promise nothing.
+LEAST_MEMBERS = 5
+
+
+class Likeness(NamedTuple):
+    """The most alike other scans of each scan, as whole objects.
+
+    Attributes
+    ----------
+    neighbours : (n, k) int64
+        Scans, the most alike first; -1 in the row of a scan that was skipped.
+    distances : (n, k) float64
+        0 to 1, see `Novelty`; 1 in the row of a scan that was skipped.
+    """
+
+    neighbours: NDArray[np.int64]
+    distances: NDArray[np.float64]
+
+
+def doubts(corrected: Corrected, likeness: Likeness) -> NDArray[np.float64]:
+    """How much nearer each scan is to another concept than to its own, (n,) float64 from 0 to 1.
+
+    Above a half the other one is nearer. 1 for a scan in no concept; 0 where the user said where it belongs,
+    and for one that was skipped.
+    """
+    keys = corrected.keys
+    of_neighbours = np.where(likeness.neighbours >= 0, keys[likeness.neighbours], NONE)
+    is_own = of_neighbours == keys[:, None]
+    own = _mean_of_first(likeness.distances, is_own & (of_neighbours != NONE))
+    other = np.full(len(keys), np.inf)
+    for key in np.unique(keys[keys != NONE]):
+        rows = np.flatnonzero(keys != key)
+        to_it = _mean_of_first(likeness.distances[rows], of_neighbours[rows] == key)
+        other[rows] = np.minimum(other[rows], to_it)
+    with np.errstate(invalid="ignore"):
+        found = own / np.maximum(own + other, 1e-12)
+    found[np.isinf(own)] = 1.0
+    found[np.isinf(own) & np.isinf(other)] = 0.5
+    found[keys == NONE] = 1.0
+    found[corrected.is_certain | corrected.is_foreign | (likeness.neighbours[:, :1] < 0).all(axis=1)] = 0.0
+    return found
+
+
+def confident(
+    corrected: Corrected, likeness: Likeness, undecided: NDArray[np.int64], rate: float
+) -> NDArray[np.int64]:
+    """Named concept that each undecided scan may be in, by its key; -1 where none or several may be it.
+
+    A scan may be in a concept if its p-value is above the rate: the share of the concept's scans that are as
+    far from the nearest other one (conformal prediction, as `Novelty`). So of scans that are in a named
+    concept, as many as the rate says are not put there, and what resembles two is left to the user.
+
+    Parameters
+    ----------
+    corrected : Corrected
+    likeness : Likeness
+    undecided : (m,) int64
+        Scans.
+    rate : float
+        0 to 1.
+    """
+    is_undecided = np.zeros(len(corrected.keys), bool)
+    is_undecided[undecided] = True
+    keys = np.where(is_undecided, NONE, corrected.keys)
+    of_neighbours = np.where(likeness.neighbours >= 0, keys[likeness.neighbours], NONE)
+    chosen, n_possible = np.full(len(undecided), NONE), np.zeros(len(undecided), int)
+    nearest = np.full(len(undecided), np.inf)
+    for key in sorted(set(corrected.names) & set(keys.tolist())):
+        if not corrected.names[key]:
+            continue
+        members = np.flatnonzero(keys == key)
+        if len(members) < LEAST_MEMBERS:
+            continue
+        known = np.sort(_first(likeness.distances[members], of_neighbours[members] == key))
+        distances = _first(likeness.distances[undecided], of_neighbours[undecided] == key)
+        n_as_far = len(known) - np.searchsorted(known, distances, side="left")
+        is_possible = (1 + n_as_far) / (1 + len(known)) > rate
+        n_possible += is_possible
+        is_nearer = is_possible & (distances < nearest)
+        chosen[is_nearer], nearest[is_nearer] = key, distances[is_nearer]
+    return np.where(n_possible == 1, chosen, NONE)
+
+
+def _first(distances: NDArray[np.float64], is_there: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """The first distance of each row that is there; infinite where none is."""
+    if distances.shape[1] == 0:
+        return np.full(len(distances), np.inf)
+    at = is_there.argmax(axis=1)
+    rows = np.arange(len(distances))
+    return np.where(is_there[rows, at], distances[rows, at], np.inf)
+
+
+def _mean_of_first(distances: NDArray[np.float64], is_there: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Mean of the first few distances of each row that are there; infinite where none is."""
+    counts = np.cumsum(is_there, axis=1)
+    taken = is_there & (counts <= _SEVERAL)
+    n_taken = taken.sum(axis=1)
+    sums = np.where(taken, distances, 0.0).sum(axis=1)
+    return np.where(n_taken > 0, sums / np.maximum(n_taken, 1), np.inf)
