@@ -113,6 +113,12 @@ class DotMap {
       context.stroke();
     }
     context.globalAlpha = 1;
+    if (state.marked === null) return;
+    context.beginPath();
+    context.arc(...this.at(state.marked), 2.4 * dot + 3, 0, 2 * Math.PI);
+    context.lineWidth = 3;
+    context.strokeStyle = theme.accent;
+    context.stroke();
   }
 
   // A bar across each line that never joins.

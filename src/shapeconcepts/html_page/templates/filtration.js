@@ -51,7 +51,8 @@ const nBetween = filtration.nBetween;
 const joinTimes = Float64Array.from(filtration.joins, (time) => time ?? Infinity);
 const heatName = filtration.heatKind === "geodesic" ? "heat" : "divergence";
 
-const state = { hovered: null, selected: null, time: isBusiest ? filtration.conceptTime ?? 1 : 1, colouring: "concept" };
+// `marked`: a vertex whose place is looked for.
+const state = { hovered: null, selected: null, marked: null, time: isBusiest ? filtration.conceptTime ?? 1 : 1, colouring: "concept" };
 const listeners = [];
 let isDrawing = false;
 function onChange(listener) { listeners.push(listener); }

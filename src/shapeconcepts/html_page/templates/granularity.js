@@ -15,8 +15,9 @@ function granularityFigure() {
     return [all, Math.min(13, all / n / 2)];
   });
   const x = (share) => along(share) * width;
-  const figure = svg("svg", { viewBox: `0 0 ${width} ${room + top + bottom}`, class: "granularity", role: "img",
+  const figure = svg("svg", { viewBox: `0 0 ${width} ${room + top + bottom}`, class: "granularity", role: "group",
     "aria-label": `Tree of ${nLeaves} groups at the finest granularity` });
+  const bars = [];
   groups.forEach((group, i) => {
     const left = x(group.from), wide = Math.max((isLeaf[i] ? width : x(group.to)) - left, 0);
     if (wide < 0.5) return;
@@ -36,12 +37,21 @@ function granularityFigure() {
     if (group.rank >= 0) {
       bar.style.cursor = "pointer";
       bar.addEventListener("click", () => toggle(group.rank));
+      bar.addEventListener("focus", () => change({ hovered: group.rank }));
+      bar.addEventListener("blur", () => change({ hovered: null }));
       bar.addEventListener("pointerenter", () => change({ hovered: group.rank }));
       bar.addEventListener("pointerleave", () => change({ hovered: null }));
       onChange(() => { bar.style.opacity = highlighted() === null || highlighted() === group.rank ? "1" : "0.35"; });
     }
+    // Whoever shows the scans of a branch listens to this.
+    bar.addEventListener("click", () => bar.dispatchEvent(new CustomEvent("branch", { bubbles: true, detail: i })));
+    bar.setAttribute("role", "button");
+    bar.setAttribute("tabindex", -1);
+    bar.setAttribute("aria-label", said(Infinity));
+    bars.push(bar);
     figure.append(bar);
   });
+  walkable(figure, bars);
   const base = room + top;
   for (const share of [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1].filter((one) => one > first)) {
     figure.append(svg("line", { x1: x(share), x2: x(share), y1: base, y2: base + 5, stroke: theme.quiet }),
@@ -56,6 +66,18 @@ function granularityFigure() {
     element("figcaption", { textContent: "On the left all scans are one group, as high as it is large. Where a bar ends, its scans fall into two groups, "
       + "between which there is a gap that chance does not explain; the less both have in common, the farther left. The orange line is the "
       + "granularity: the bars that it crosses are the concepts, in their colours; paler bars are what they fall into at a finer one." }));
+}
+
+// One stop of the Tab key; arrows walk, Enter clicks. From coarse to fine: the last bars are the coarsest.
+function walkable(figure, bars) {
+  bars.at(-1)?.setAttribute("tabindex", 0);
+  figure.addEventListener("keydown", (event) => {
+    const at = bars.indexOf(event.target), by = { ArrowRight: -1, ArrowDown: -1, ArrowLeft: 1, ArrowUp: 1 }[event.key];
+    if (at < 0) return;
+    if (event.key === "Enter" || event.key === " ") event.target.dispatchEvent(new MouseEvent("click", { bubbles: true }));
+    else if (by !== undefined && bars[at + by]) { bars[at].setAttribute("tabindex", -1); bars[at + by].setAttribute("tabindex", 0); bars[at + by].focus(); } else return;
+    event.preventDefault();
+  });
 }
 
 function textColour(hexadecimal) {

@@ -153,12 +153,14 @@ function drawBars(context, x, top, height) {
     bar(vertex, 0.35);
   }
   context.globalAlpha = 1;
-  if (chosen === null) return;
-  for (const vertex of byDeath) {
+  for (const vertex of chosen === null ? [] : byDeath) {
     if (rankOfVertex[vertex] !== chosen) continue;
     context.fillStyle = vertexColour(vertex);
     bar(vertex, 1.6);
   }
+  if (state.marked === null) return;
+  context.fillStyle = theme.accent;
+  bar(state.marked, 3);
 }
 
 function drawCursor(context, x, top) {

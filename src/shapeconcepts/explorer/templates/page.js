@@ -1,0 +1,39 @@
+// From the first answer of the server on.
+window.addEventListener("hashchange", () => { passing = null; if (current !== null) { showPlace(); } });
+onCurrent(() => { if (passing === null) showPlace(); });
+
+let isAsking = false;
+async function refresh() {
+  if (isAsking) return;
+  isAsking = true;
+  try {
+    const state = await awaited("state");
+    // Another process learned on: the scans are others, too.
+    if (state.model !== current.model) takeModel(await awaited("model"));
+    takeState(state);
+  } finally {
+    isAsking = false;
+  }
+}
+
+async function start() {
+  const [model, state] = await Promise.all([awaited("model"), awaited("state")]);
+  takeModel(model);
+  document.title = `${known.title} · shapeconcepts`;
+  document.getElementById("reading").remove();
+  document.getElementById("views").classList.add("is-read");
+  takeState(state);
+  gallery.focus();
+  requestAnimationFrame(() => requestAnimationFrame(() => { document.documentElement.dataset.ready = Math.round(performance.now()); }));
+  listen(async (version) => {
+    if (version <= current.version) return;
+    await refresh();
+    // Another change came in between.
+    if (version > current.version) await refresh();
+  }, (isThere) => {
+    document.body.classList.toggle("is-alone", !isThere);
+    if (!isThere) refused("The server does not answer. What you see stays, but nothing can be changed until it is back.");
+    else if (!trouble.hidden) trouble.hidden = true;
+  });
+}
+start().catch((failure) => { document.getElementById("reading").textContent = failure.message; });
