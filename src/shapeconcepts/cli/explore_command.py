@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import errno
+import sys
 import webbrowser
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,6 +20,10 @@ from shapeconcepts.cli.options import (
     read_options,
 )
 from shapeconcepts.cli.terminal import fail, tell
+from shapeconcepts.interruption import say_when_interrupted
+
+if TYPE_CHECKING:
+    from shapeconcepts.explorer.session import Session
 
 _PACKAGES = {"starlette", "uvicorn"}
 
@@ -72,20 +77,24 @@ def explore(
             fail(f"port {port} is taken: give another --port, or none for a free one")
         fail(f"cannot listen on port {port}: {error.strerror or error}")
     server.start()
-    # At once, whoever reads it.
+    # At once, whoever reads it: the page is there before the model is read.
     tell(server.address)
+    sys.stdout.flush()
     if not no_browser:
         webbrowser.open(server.address)
-    _serve(session)
+    _open(session)
+    say_when_interrupted("")
+    # Until a signal ends the process: each edit is on the disk as soon as it is made.
+    session.keep_up()
 
 
-def _serve(session: object) -> None:
-    """Read the model while the page is opened already, and keep it as its file is, until the process ends."""
-    from shapeconcepts.explorer.session import Session
+def _open(session: Session) -> None:
+    from shapeconcepts.model_file import ModelError
+    from shapeconcepts.scan import ScanError
 
-    assert isinstance(session, Session)
-    session.open()
-    import time
-
-    while True:
-        time.sleep(1)
+    try:
+        session.open()
+    except ModelError as error:
+        fail(str(error) if str(session.path) in str(error) else f"{session.path}: {error}")
+    except (ScanError, OSError) as error:
+        fail(str(error))

@@ -12,6 +12,15 @@ from shapeconcepts.report.palette import hexadecimal_segment_colours
 from shapeconcepts.sources.reader import ReadOptions
 from shapeconcepts.version import __version__
 
+_LAYOUTS = (
+    ("folders", "a folder for each concept, with the files of its scans"),
+    ("csv", "a table with a row for each scan"),
+    ("parquet", "the same table, for pandas and others"),
+    ("semantic-kitti", "what SemanticKITTI's tools read"),
+    ("labelcloud", "what labelCloud reads"),
+    ("fiftyone", "what FiftyOne reads"),
+)
+
 
 def model_document(
     model: ShapeConceptModel, title: str, has_scans: bool, reading: ReadOptions
@@ -34,6 +43,7 @@ def model_document(
         "tree": [] if tree is None else _groups(tree),
         "treeGroupOfScan": [] if tree is None else tree.group_of_object.tolist(),
         "granularities": [] if tree is None else np.round(tree.granularities, 6).tolist(),
+        "layouts": _LAYOUTS,
         "segmentColours": hexadecimal_segment_colours(),
     }
 

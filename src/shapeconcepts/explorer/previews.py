@@ -46,6 +46,11 @@ class Previews:
             self._made.move_to_end(row)
             return future
 
+    def forget(self) -> None:
+        """Make all of them anew, as there is another model."""
+        with self._lock:
+            self._made, self._n_bytes = OrderedDict(), 0
+
     def close(self) -> None:
         """Make no more."""
         self._threads.shutdown(wait=False, cancel_futures=True)
