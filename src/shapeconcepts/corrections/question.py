@@ -14,8 +14,8 @@ from shapeconcepts.corrections.replay import Corrected
 
 # As many as can be taken in at a glance.
 MOST_SHOWN = 24
-# A scan is asked for if another concept is at most twice as far as its own.
-DOUBTFUL = 1 / 3
+# A scan is asked for if another concept is at most three times as far as its own.
+DOUBTFUL = 1 / 4
 # Whoever is among so many most alike scans of another one tells something of it.
 _ALIKE = 3
 
