@@ -44,7 +44,8 @@ def _move(model: ShapeConceptModel, given: Mapping[str, Any]) -> object:
 def _link(model: ShapeConceptModel, given: Mapping[str, Any]) -> object:
     if len(given["scans"]) != 2:
         raise ValueError(f"scans must be two, got {len(given['scans'])}")
-    return model.link(*given["scans"], given.get("together") is not False)
+    first, second = given["scans"]
+    return model.link(first, second, given.get("together") is not False)
 
 
 # What each needs, and what it may have.

@@ -34,7 +34,7 @@ def scan_document(
     reason : str
     path : Path or None
     """
-    document = {
+    document: dict[str, Any] = {
         "row": row,
         "path": None if path is None else str(path),
         "reason": reason or model.skipped_.get(row, ""),

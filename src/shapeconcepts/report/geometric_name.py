@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,60 +44,64 @@ def geometric_name(segmented: SegmentedObject) -> str:
         Such as "box-like, 3 faces, 12 × 8 × 5 cm": sides are those of what the sensor saw.
     """
     surfaces = _surfaces(segmented)
-    kinds = Counter(kind for kind, _, _ in surfaces)
+    kinds = Counter(one.kind for one in surfaces)
     sides = object_sides(segmented)
     parts = [_shape(surfaces, sides), *(_counted(kinds[kind], kind) for kind in _WORDS if kinds[kind])]
     return ", ".join([*parts, _size(sides)])
 
 
-_Surface = tuple[str, float, NDArray[np.float64]]
+class _Surface(NamedTuple):
+    """A segment: flat, bent like a cylinder or round; its share of the points; where it looks."""
+
+    kind: str
+    share: float
+    normal: NDArray[np.float64]
+
+
 _WORDS = {"flat": "face", "bent": "curved side", "round": "round surface"}
 
 
 def _surfaces(segmented: SegmentedObject) -> list[_Surface]:
-    """Kind, share of the points and mean normal of each segment that is not small."""
+    """Segments that are not small."""
     labels = segmented.segment_labels
     counts = np.bincount(labels[labels >= 0], minlength=segmented.n_segments)
     shares = counts / max(counts.sum(), 1)
     return [
-        (
-            *_kind_and_share(segmented.normals[labels == one], shares[one]),
-            segmented.normals[labels == one].mean(0),
-        )
-        for one in np.flatnonzero(shares >= _LEAST_SHARE)
+        _surface(segmented.normals[labels == number], float(shares[number]))
+        for number in np.flatnonzero(shares >= _LEAST_SHARE)
     ]
 
 
-def _kind_and_share(normals: NDArray[np.float64], share: float) -> tuple[str, float]:
+def _surface(normals: NDArray[np.float64], share: float) -> _Surface:
+    mean = normals.mean(axis=0)
+    mean = mean / max(float(np.linalg.norm(mean)), 1e-12)
     # At its borders a surface has normals of both sides.
-    along = normals @ normals.mean(axis=0)
-    normals = normals[along >= np.quantile(along, _BORDER)]
-    variances = np.linalg.eigvalsh(np.cov(normals.T)) if len(normals) > 1 else np.zeros(3)
-    _, second, first = variances
+    along = normals @ mean
+    inner = normals[along >= np.quantile(along, _BORDER)]
+    _, second, first = np.linalg.eigvalsh(np.cov(inner.T)) if len(inner) > 1 else np.zeros(3)
     if first <= _FLAT:
-        return "flat", float(share)
-    return ("bent" if second <= _STRAIGHT * first else "round"), float(share)
+        return _Surface("flat", share, mean)
+    return _Surface("bent" if second <= _STRAIGHT * first else "round", share, mean)
 
 
 def _shape(surfaces: Sequence[_Surface], sides: tuple[float, float, float]) -> str:
-    share = Counter[str]()
-    for kind, part, _ in surfaces:
-        share[kind] += part
+    share = {kind: sum(one.share for one in surfaces if one.kind == kind) for kind in _WORDS}
     longest, middle, shortest = sides
     if share["flat"] >= _MOST:
         if shortest <= _THIN * middle:
             return "plate-like"
-        return "box-like" if _are_perpendicular([one for one in surfaces if one[0] == "flat"]) else "angular"
+        return (
+            "box-like" if _are_perpendicular([one for one in surfaces if one.kind == "flat"]) else "angular"
+        )
     if share["bent"] >= share["round"] and share["bent"] + share["flat"] >= _MOST:
         return "cylinder-like"
-    # Of a ball, half is seen.
     is_even = middle >= _EVEN * longest and shortest >= _HALF_SEEN * middle
     return "ball-like" if share["round"] >= _MOST and is_even else "rounded"
 
 
 def _are_perpendicular(faces: Sequence[_Surface]) -> bool:
     """Whether each two of the faces are, or are opposite each other."""
-    normals = np.array([normal / max(np.linalg.norm(normal), 1e-12) for _, _, normal in faces])
+    normals = np.array([one.normal for one in faces])
     cosines = np.abs(normals @ normals.T)
     return bool(((cosines <= _PERPENDICULAR) | (cosines >= 1 - _PERPENDICULAR)).all())
 
