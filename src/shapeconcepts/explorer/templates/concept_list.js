@@ -5,7 +5,7 @@ const conceptList = (() => {
   const slider = element("div", { id: "slider" });
   left.append(lists, slider, element("h2", { className: "left-title", textContent: "Concepts" }), concepts);
 
-  const entries = () => [["#", "All concepts", current.concepts.length], ["#uncertain", "Uncertain", current.doubts === null ? "…" : uncertain().length],
+  const entries = () => [["#", "All concepts", current.concepts.length], ["#uncertain", "Uncertain", current.isThinking ? "…" : uncertain().length],
     ["#none", "In no concept", withoutConcept().length], ["#foreign", "Foreign", foreign.size], ["#all", "All scans", nScans()]];
 
   const drawn = new Map();

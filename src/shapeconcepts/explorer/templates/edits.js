@@ -1,11 +1,10 @@
 // Edits: what is said to the model. One after the other, so that an undo undoes what was seen.
 let isBehind = Promise.resolve();
 
-function edit(document, { isQuiet = false } = {}) {
-  const done = isBehind.then(() => posted("edit", document)).then((state) => {
-    const before = current.nEdits;
+function edit(document) {
+  let before = 0;
+  const done = isBehind.then(() => { before = current.nEdits; return posted("edit", document); }).then((state) => {
     takeState(state);
-    if (isQuiet) return state;
     const made = state.journal.at(-1), isStep = document.kind === "undo" || document.kind === "redo";
     if (isStep) say(document.kind === "undo" ? "Undone." : "Done again.");
     else if (made !== undefined && state.nEdits !== before) say(made.text, true);

@@ -20,6 +20,7 @@ const figuresView = (() => {
     if (wanted !== current.version) { fill(); return; }
     version = wanted;
     contents = made;
+    contents.rows ??= contents.scans.names.map((_, at) => at);
     rankOf = new Map();
     contents.concepts.forEach((concept, rank) => {
       const { key } = current.concepts[concept.number];

@@ -15,8 +15,10 @@ const gallery = (() => {
   const chosen = new Set(), tiles = new Map(), shownHeaders = new Map(), spare = [];
   const selectionFollowers = [];
 
+  // As the browser last said: asking anew would make it lay out the page in the midst of changes.
+  let room = { width: 0, height: 0 };
   function lay() {
-    const width = scroller.clientWidth - 2 * GAP;
+    const width = room.width - 2 * GAP;
     if (width <= 0) return;
     const least = width < 500 ? 96 : 132;
     columns = Math.max(2, Math.floor((width + GAP) / (least + GAP)));
@@ -42,6 +44,9 @@ const gallery = (() => {
     draw();
   }
 
+  let scrolled = 0;
+  function scrollTo(top) { scroller.scrollTop = top; scrolled = top; }
+
   const lineAt = (y) => {
     let [first, after] = [0, lines.length];
     while (after - first > 1) {
@@ -54,7 +59,7 @@ const gallery = (() => {
 
   function draw() {
     if (!lines.length) return;
-    const from = scroller.scrollTop - side, to = scroller.scrollTop + scroller.clientHeight + side;
+    const from = scrolled - side, to = scrolled + room.height + side;
     const wanted = new Set(), wantedHeaders = new Set();
     for (let at = lineAt(from); at < lines.length && lines[at].top < to; at++) {
       const line = lines[at];
@@ -82,14 +87,22 @@ const gallery = (() => {
     list.setAttribute("aria-activedescendant", tiles.has(active) ? tiles.get(active).node.id : "");
   }
 
-  // Names on one line, whose middle is left out; those of a folder have one length, mostly.
+  // Names on one line, whose middle is left out. Letters are measured once: measuring names takes too long while it scrolls.
+  const letterWidths = new Map();
   let font = null;
+  function widthOf(text) {
+    let width = 0;
+    for (const letter of text) {
+      if (!letterWidths.has(letter)) { ruler.font = font; letterWidths.set(letter, ruler.measureText(letter).width); }
+      width += letterWidths.get(letter);
+    }
+    return width;
+  }
   function fitted(name, width) {
-    ruler.font = font;
-    const fits = (most) => ruler.measureText(shortened(name, most)).width <= width;
-    if (fits(name.length)) return name;
-    let most = Math.floor(width / 6.2);
-    while (most > 3 && !fits(most)) most--;
+    const wide = widthOf(name);
+    if (wide <= width) return name;
+    let most = Math.floor(name.length * width / wide) + 2;
+    while (most > 3 && widthOf(shortened(name, most)) > width) most--;
     return shortened(name, most);
   }
 
@@ -115,7 +128,7 @@ const gallery = (() => {
     const row = items[item];
     tile.row = row;
     tile.item = item;
-    tile.node.removeAttribute("aria-hidden");
+    if (tile.node.hasAttribute("aria-hidden")) tile.node.removeAttribute("aria-hidden");
     tile.node.ariaSetSize = items.length;
     tile.node.ariaPosInSet = item + 1;
     describe(tile);
@@ -167,12 +180,14 @@ const gallery = (() => {
     const line = lines[lineOf(item)];
     if (!line) return;
     const first = lineOf(item) === 1 || lines[lineOf(item) - 1]?.section ? HEADER : 0;
-    if (line.top - first < scroller.scrollTop) scroller.scrollTop = Math.max(0, line.top - first - GAP);
-    else if (line.top + line.height > scroller.scrollTop + scroller.clientHeight) scroller.scrollTop = line.top + line.height - scroller.clientHeight;
+    if (line.top - first < scrolled) scrollTo(Math.max(0, line.top - first - GAP));
+    else if (line.top + line.height > scrolled + room.height) scrollTo(line.top + line.height - room.height);
     draw();
   }
 
+  let chosenInOrder = [];
   function changed() {
+    chosenInOrder = chosen.size ? items.filter((row) => chosen.has(row)) : [];
     for (const tile of tiles.values()) describe(tile);
     list.setAttribute("aria-activedescendant", tiles.has(active) ? tiles.get(active).node.id : "");
     for (const follower of selectionFollowers) follower();
@@ -189,7 +204,7 @@ const gallery = (() => {
   list.addEventListener("keydown", (event) => {
     if (!items.length || event.altKey) return;
     const at = Math.max(active, 0), command = event.ctrlKey || event.metaKey;
-    const page = Math.max(1, Math.floor(scroller.clientHeight / (side + CAPTION + GAP)));
+    const page = Math.max(1, Math.floor(room.height / (side + CAPTION + GAP)));
     const pages = (by) => { for (let k = 0; k < page; k++) active = vertical(by); return active; };
     if (command && event.key === "a") { items.forEach((row) => chosen.add(row)); changed(); }
     else if (event.key === " ") moveTo(at, { toggle: true });
@@ -220,9 +235,9 @@ const gallery = (() => {
   scroller.addEventListener("scroll", () => {
     if (isScrolling) return;
     isScrolling = true;
-    requestAnimationFrame(() => { isScrolling = false; draw(); });
+    requestAnimationFrame(() => { isScrolling = false; scrolled = scroller.scrollTop; draw(); });
   }, { passive: true });
-  new ResizeObserver(() => { lay(); }).observe(scroller);
+  new ResizeObserver(([{ contentRect }]) => { room = contentRect; lay(); }).observe(scroller);
 
   return {
     root, list,
@@ -230,7 +245,7 @@ const gallery = (() => {
       const row = items[active];
       sections = newSections;
       isMixed = mixed;
-      if (isNew) { scroller.scrollTop = 0; active = anchor = -1; chosen.clear(); }
+      if (isNew) { scrollTo(0); active = anchor = -1; chosen.clear(); }
       lay();
       if (!isNew) {
         const there = new Set(sections.flatMap((section) => section.rows));
@@ -247,7 +262,7 @@ const gallery = (() => {
     focus() { list.focus({ preventScroll: true }); },
     reveal(row) { const item = items.indexOf(row); if (item >= 0) moveTo(item); },
     step(by) { moveTo(Math.max(active, 0) + by); },
-    chosen: () => items.filter((row) => chosen.has(row)),
+    chosen: () => chosenInOrder,
     active: () => (active >= 0 ? items[active] ?? null : null),
     nItems: () => items.length,
     onSelection(follower) { selectionFollowers.push(follower); },

@@ -49,7 +49,7 @@ const granularitySlider = (() => {
   }
   // Only a line of each group is shown, so only so many are looked for: it has to follow the slider.
   function typicalFirst(rows) {
-    const distance = (row) => current.distances?.[row] ?? 1, first = [];
+    const distance = (row) => doubtOf(row) ?? 1, first = [];
     for (const row of rows) {
       if (first.length === 16 && distance(row) >= distance(first[15])) continue;
       let at = first.length;
@@ -80,8 +80,8 @@ const granularitySlider = (() => {
     requestAnimationFrame(() => {
       isMoving = false;
       const granularity = stops[range.value];
-      if (Number(range.value) === stopOf(current.granularity)) { passing = null; showPlace(); } else pass(shownCut(granularity));
       draw();
+      if (Number(range.value) === stopOf(current.granularity)) { passing = null; showPlace(); } else pass(shownCut(granularity));
     });
   });
 
@@ -140,6 +140,6 @@ const granularitySlider = (() => {
     if (passing?.kind !== "cut") reset();
     else { pass(shownCut(stops[range.value])); describe(); }
   });
-  onPlace(() => { if (bands !== null && passing === null) reset(); });
+  onPlace(() => { if (bands !== null && passing === null && Number(range.value) !== stopOf(current.granularity)) reset(); });
   return { draw };
 })();

@@ -27,7 +27,7 @@ const heading = (() => {
       n ? element("span", { className: "chosen", textContent: `${WHOLE.format(n)} chosen` }) : "",
       ...ids.filter((id) => actionOf.get(id).on === "scans").map(actionButton));
     if (focused?.startsWith("do-")) document.getElementById(focused)?.focus();
-    orders.hidden = place.kind === "question";
+    orders.hidden = place.kind === "question" || place.kind === "uncertain";
   }
   let questionShown = null;
   function fillExtra() {
@@ -55,11 +55,11 @@ const heading = (() => {
   function showGallery(isNew) {
     gallery.show(place.sections, { mixed: Boolean(place.isMixed), isNew, message: emptyText() });
   }
-  const emptyText = () => ({ uncertain: current.doubts === null ? "Still reckoning which scans are uncertain …" : "No scan is nearer to another concept than to its own.",
+  const emptyText = () => ({ uncertain: current.isThinking ? "Still reckoning which scans are uncertain …" : "No scan is near to another concept.",
     none: "Every scan is in a concept.", foreign: "No scan is marked as foreign.", search: "No name, path or concept has these words.",
     question: "All of these have been decided." }[place.kind] ?? "No scans here.");
   onPlace(() => {
-    const key = passing ? "passing" : `${location.hash} ${order} ${place.question ? `${place.question.kind}${place.question.key}` : ""}`;
+    const key = passing ? "passing" : `${location.hash} ${order} ${place.question ? `${place.question.kind}${place.question.scans}` : ""}`;
     fillTitle();
     showGallery(key !== shownKey);
     shownKey = key;

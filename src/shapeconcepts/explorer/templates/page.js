@@ -1,6 +1,7 @@
 // From the first answer of the server on.
 window.addEventListener("hashchange", () => { passing = null; if (current !== null) { showPlace(); } });
 onCurrent(() => { if (passing === null) showPlace(); });
+onCurrent(() => { if (current.trouble) refused(current.trouble); });
 
 let isAsking = false;
 async function refresh() {
@@ -9,7 +10,7 @@ async function refresh() {
   try {
     const state = await awaited("state");
     // Another process learned on: the scans are others, too.
-    if (state.model !== current.model) takeModel(await awaited("model"));
+    if (state.modelVersion !== current.modelVersion) takeModel(await awaited("model"));
     takeState(state);
   } finally {
     isAsking = false;

@@ -4,9 +4,8 @@ let order = "typical";
 
 // Scans in an order; what is not known comes last.
 function ordered(rows, by = order) {
-  const distance = (row) => current.distances?.[row] ?? doubtOf(row) ?? Infinity;
   const value = {
-    typical: (row) => (byKey.get(conceptOf(row))?.medoid === row ? -Infinity : distance(row)),
+    typical: (row) => (byKey.get(conceptOf(row))?.medoid === row ? -Infinity : doubtOf(row) ?? Infinity),
     doubtful: (row) => -(doubtOf(row) ?? -Infinity),
     size: (row) => -(sidesOf(row)?.[0] ?? -Infinity),
   }[by];
@@ -15,7 +14,16 @@ function ordered(rows, by = order) {
   return [...rows].sort((a, b) => values.get(a) - values.get(b) || a - b);
 }
 
-const conceptSection = (key) => ({ key, heading: nameOfKey(key), rows: ordered(membersOf(key)), link: `#concept/${key}` });
+// Members in order, until something changes: the slider comes by here many times a second.
+const memberOrders = new Map();
+onCurrent(() => memberOrders.clear());
+function orderedMembers(key) {
+  const name = `${order} ${key}`;
+  if (order === "size") return ordered(membersOf(key));
+  if (!memberOrders.has(name)) memberOrders.set(name, ordered(membersOf(key)));
+  return memberOrders.get(name);
+}
+const conceptSection = (key) => ({ key, heading: nameOfKey(key), rows: orderedMembers(key), link: `#concept/${key}` });
 
 // Scans below a branch of the tree of concepts.
 function rowsOfBranch(branch) {
@@ -33,7 +41,7 @@ function found(text) {
 }
 
 const LISTS = {
-  uncertain: { title: "Uncertain", note: "nearer to another concept than to their own", rows: () => ordered(uncertain(), "doubtful") },
+  uncertain: { title: "Uncertain", note: "another concept is not much farther than their own", rows: () => ordered(uncertain(), "doubtful") },
   none: { title: "In no concept", note: "rare here, in between, or seen badly", rows: () => ordered(withoutConcept()) },
   foreign: { title: "Foreign", note: "marked as belonging to nothing here", rows: () => ordered([...foreign]) },
   all: { title: "All scans", note: "", rows: () => ordered(known.scans.names.map((_, row) => row)) },

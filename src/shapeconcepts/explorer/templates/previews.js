@@ -25,9 +25,10 @@ function showPreview(canvas, row, side, then) {
 const forgetPreview = (canvas) => { waiting.delete(canvas); };
 
 function copyPicture(canvas, picture, row, then) {
-  canvas.width = picture.width;
-  canvas.height = picture.height;
-  canvas.getContext("2d").drawImage(picture, 0, 0);
+  const context = canvas.getContext("2d");
+  if (canvas.width !== picture.width) canvas.width = canvas.height = picture.width;
+  else context.clearRect(0, 0, picture.width, picture.width);
+  context.drawImage(picture, 0, 0);
   then?.(true, row);
 }
 
@@ -62,7 +63,7 @@ function pump() {
       else copyPicture(canvas, used(pictures, `${row} ${pixels}`) ?? drawnPicture(row, pixels, record), row, then);
     }
     // While it scrolls fast, most tiles are gone before it would be worth asking.
-    if (areUnknown && fetchTimer === null) fetchTimer = setTimeout(() => { fetchTimer = null; fetchWanted(); }, 25);
+    if (areUnknown && fetchTimer === null) fetchTimer = setTimeout(() => { fetchTimer = null; fetchWanted(); }, 40);
   });
 }
 

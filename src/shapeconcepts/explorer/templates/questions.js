@@ -1,13 +1,20 @@
 // What the page asks for: the names and the checks that decide most scans. One question is kept until it is answered.
-let answering = null;
+let answering = null, keysAsked = new Map();
 
 function placeOfQuestion() {
-  if (answering === null || !byKey.has(answering.key)) answering = current.question;
-  const { kind, key, scans } = answering, name = nameOfKey(key);
+  const isOld = answering === null || (answering.kind === "name" && !byKey.has(answering.key));
+  if (isOld) {
+    answering = current.question;
+    keysAsked = new Map(answering.scans.map((row) => [row, conceptOf(row)]));
+  }
+  const { kind, key, scans } = answering;
+  // What has been said to be something else is decided.
+  const rows = scans.filter((row) => conceptOf(row) === keysAsked.get(row) && !foreign.has(row));
+  if (kind === "name") return { kind: "question", key, question: answering, title: "What are these?", sections: [{ heading: null, rows }] };
+  const keys = [...new Set(rows.map(conceptOf))].sort((a, b) => a - b);
   return {
-    kind: "question", key, question: answering, isChoosing: kind === "check",
-    title: kind === "name" ? "What are these?" : `Which of these are not “${name}”?`,
-    sections: [{ heading: null, rows: scans.filter((row) => conceptOf(row) === key) }],
+    kind: "question", question: answering, isChoosing: true, title: "Which of these are something else?",
+    sections: keys.map((of) => ({ key: of, heading: of < 0 ? "In no concept: what are they?" : nameOfKey(of), rows: rows.filter((row) => conceptOf(row) === of) })),
   };
 }
 
@@ -23,9 +30,10 @@ async function answered(document) {
 
 // The rest of the scans that were shown are what they are said to be.
 function confirmRest() {
-  const rest = place.sections[0].rows.filter((row) => !gallery.chosen().includes(row));
+  const rows = place.sections.flatMap((section) => section.rows), rest = rows.filter((row) => conceptOf(row) >= 0);
   if (gallery.chosen().length) moveDialog(gallery.chosen(), () => gallery.focus());
   else if (rest.length) answered({ kind: "confirm", scans: rest });
+  else if (rows.length) refused("These are in no concept: choose some, and say what they are (V) or that they are foreign (X).");
   else nextQuestion();
 }
 
@@ -45,7 +53,7 @@ function questionBar() {
     } }, input, submit, element("button", { type: "button", textContent: "Foreign", title: "They belong to nothing here",
       onclick: () => answered({ kind: "foreign", scans: membersOf(key) }) }),
     suggestedNames(key, (name) => { input.value = name; update(); input.focus(); }),
-    element("p", { className: "quiet", textContent: `These ${place.sections[0].rows.length} stand for ${plural(membersOf(key).length, "scan")}.${decides}` }));
+    element("p", { className: "quiet", textContent: `These ${keysAsked.size} stand for ${plural(membersOf(key).length, "scan")}.${decides}` }));
     return form;
   }
   const n = gallery.chosen().length;

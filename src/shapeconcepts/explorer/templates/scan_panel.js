@@ -82,7 +82,7 @@ const scanPanel = (() => {
         sides ? pair("size", shownSides(sides)) : "",
         answer?.preview ? pair("surfaces", String(answer.segments)) : "",
         p === null ? "" : pair("p-value", p < 0.01 ? "under 0.01" : Number(p).toFixed(2)),
-        doubt === null || key < 0 ? "" : pair("margin", doubt > 0 ? `? nearer to another by ${doubt.toFixed(2)}` : "nearest to its own"),
+        doubt === null || key < 0 ? "" : pair("doubt", `${doubt.toFixed(2)}: ${doubt > 0.5 ? "another is nearer" : doubt >= current.doubtfulFrom ? "its own is nearest, another not much farther" : "its own is nearest by far"}`),
         label >= 0 ? pair("label", element("bdi", { textContent: known.labelNames[label] })) : "",
         answer?.path ? pair("file", element("bdi", { className: "path", textContent: answer.path })) : ""),
       element("p", { className: "row" },

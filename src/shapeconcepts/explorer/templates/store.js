@@ -37,10 +37,11 @@ const nameOfKey = (key) => (key < 0 ? "no concept" : byKey.get(key)?.name || `co
 const conceptOf = (row) => current.conceptOfScan[row];
 const membersOf = (key) => membersByKey.get(key) ?? [];
 const doubtOf = (row) => current.doubts?.[row] ?? null;
-const isDoubtful = (row) => (doubtOf(row) ?? 0) > 0;
+// Another concept is nearer than its own.
+const isDoubtful = (row) => conceptOf(row) >= 0 && (doubtOf(row) ?? 0) > 0.5;
 const withoutConcept = () => known.scans.names.map((_, row) => row)
   .filter((row) => conceptOf(row) < 0 && !foreign.has(row) && !isSkipped.has(row));
-const uncertain = () => known.scans.names.map((_, row) => row).filter(isDoubtful);
+const uncertain = () => known.scans.names.map((_, row) => row).filter((row) => conceptOf(row) >= 0 && (doubtOf(row) ?? 0) >= current.doubtfulFrom);
 const unfit = () => current.journal.filter((edit) => edit.unfit);
 
 // On dark paper, dark colours are too dark.
