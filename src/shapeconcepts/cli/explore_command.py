@@ -50,6 +50,10 @@ def explore(
     mask: Mask = None,
     units: Units = "auto",
     up: Up = None,
+    no_cache: Annotated[
+        bool,
+        typer.Option("--no-cache", help="Do not keep what was shown in the user's cache for the next time."),
+    ] = False,
 ) -> None:
     """Look at a model in the browser, name its concepts and correct them, until Ctrl-C.
 
@@ -65,13 +69,15 @@ def explore(
     try:
         from shapeconcepts.explorer.server import ExplorerServer
         from shapeconcepts.explorer.session import Session
+        from shapeconcepts.explorer.telling import Telling
     except ModuleNotFoundError as error:
         if error.name not in _PACKAGES:
             raise
         fail(f"the explorer needs the package {error.name}: pip install 'shapeconcepts[explorer]'")
     session = Session(model, scans or [], reading)
+    telling = Telling(session, remember=not no_cache)
     try:
-        server = ExplorerServer(session, port)
+        server = ExplorerServer(telling, port)
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             fail(f"port {port} is taken: give another --port, or none for a free one")
@@ -85,7 +91,9 @@ def explore(
     _open(session)
     say_when_interrupted("")
     # Until a signal ends the process: each edit is on the disk as soon as it is made.
-    session.keep_up()
+    while session.wait():
+        session.keep_up()
+        telling.remember()
 
 
 def _open(session: Session) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Awaitable, Callable, Mapping
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from starlette.applications import Starlette
@@ -18,21 +17,19 @@ from shapeconcepts.explorer.edits import edit_of
 from shapeconcepts.explorer.page import explorer_page
 
 if TYPE_CHECKING:
-    from shapeconcepts.explorer.session import Session
+    from shapeconcepts.explorer.telling import Telling
 
 _MOST_ROWS = 64
-_Answer = Callable[["Session", Request], Awaitable[Response]]
+_Answer = Callable[["Telling", Request], Awaitable[Response]]
 
 
-def application(session: Session) -> Starlette:
+def application(telling: Telling) -> Starlette:
     """The application of a session; who may ask is looked at before, see `Guard`."""
 
     def route(path: str, answer: _Answer, method: str = "GET") -> Route:
         async def endpoint(request: Request) -> Response:
-            if not session.is_ready and path not in _AT_ONCE:
-                return JSONResponse({"status": "reading"}, 503)
             try:
-                return await answer(session, request)
+                return await answer(telling, request)
             except ValueError as error:
                 return JSONResponse({"error": str(error)}, 400)
 
@@ -54,63 +51,79 @@ def application(session: Session) -> Starlette:
     )
 
 
-# Before the model is read.
-_AT_ONCE = ("/", "/api/events")
-
-
-async def _page(session: Session, request: Request) -> Response:
+async def _page(telling: Telling, request: Request) -> Response:
     content, policy = explorer_page()
     return Response(content, media_type="text/html", headers={"content-security-policy": policy})
 
 
-async def _events(session: Session, request: Request) -> Response:
-    return StreamingResponse(session.changes.events(), media_type="text/event-stream")
+async def _events(telling: Telling, request: Request) -> Response:
+    return StreamingResponse(telling.session.changes.events(), media_type="text/event-stream")
 
 
-async def _model(session: Session, request: Request) -> Response:
-    return _json(await run_in_threadpool(session.model_json))
+async def _model(telling: Telling, request: Request) -> Response:
+    return await _once_there(telling, telling.model_json)
 
 
-async def _state(session: Session, request: Request) -> Response:
-    return _json(await run_in_threadpool(session.state_json))
+async def _state(telling: Telling, request: Request) -> Response:
+    return await _once_there(telling, telling.state_json)
 
 
-async def _figures(session: Session, request: Request) -> Response:
-    return _json(await run_in_threadpool(session.figures_json))
+async def _once_there(telling: Telling, document: Callable[[], bytes]) -> Response:
+    """What the page asks for first, until it is there."""
+    if not telling.is_there:
+        return JSONResponse({"status": "reading"}, 503)
+    return _json(await run_in_threadpool(document))
 
 
-async def _previews(session: Session, request: Request) -> Response:
-    rows = _rows(session, request.query_params.get("rows", ""))
+async def _figures(telling: Telling, request: Request) -> Response:
+    return _json(await run_in_threadpool(telling.figures_json))
+
+
+async def _previews(telling: Telling, request: Request) -> Response:
+    if not telling.is_there:
+        return JSONResponse({"status": "reading"}, 503)
+    rows = _rows(telling, request.query_params.get("rows", ""))
     if len(rows) > _MOST_ROWS:
         raise ValueError(f"rows must be up to {_MOST_ROWS}, got {len(rows)}")
-    made = [asyncio.wrap_future(session.previews.of(row)) for row in rows]
+    made = [asyncio.wrap_future(telling.previews.of(row)) for row in rows]
     return Response(b"".join(await asyncio.gather(*made)), media_type="application/octet-stream")
 
 
-async def _scan(session: Session, request: Request) -> Response:
-    rows = _rows(session, request.query_params.get("row", ""))
-    if len(rows) != 1:
-        raise ValueError(f"row must be one, got {len(rows)}")
-    return JSONResponse(await run_in_threadpool(session.scan, rows[0]))
+async def _scan(telling: Telling, request: Request) -> Response:
+    text = request.query_params.get("row", "")
+    return JSONResponse(await run_in_threadpool(lambda: telling.scan(*_rows(telling, text)[:1])))
 
 
-async def _edit(session: Session, request: Request) -> Response:
-    return _json(await run_in_threadpool(session.edit, edit_of(_document(await request.body()))))
+async def _edit(telling: Telling, request: Request) -> Response:
+    edit = edit_of(_document(await request.body()))
+
+    def state_after() -> bytes:
+        telling.session.edit(edit)
+        return telling.state_json()
+
+    return _json(await run_in_threadpool(state_after))
 
 
-async def _export(session: Session, request: Request) -> Response:
-    from shapeconcepts.explorer.leaving import write_export
-
+async def _export(telling: Telling, request: Request) -> Response:
     given = _document(await request.body())
-    work = partial(write_export, session, given.get("layout"), given.get("name"))
-    return JSONResponse(await run_in_threadpool(work))
+
+    def written() -> dict[str, Any]:
+        from shapeconcepts.explorer.leaving import write_export
+
+        return write_export(telling.session, given.get("layout"), given.get("name"))
+
+    return JSONResponse(await run_in_threadpool(written))
 
 
-async def _report(session: Session, request: Request) -> Response:
-    from shapeconcepts.explorer.leaving import write_report_of
-
+async def _report(telling: Telling, request: Request) -> Response:
     given = _document(await request.body())
-    return JSONResponse(await run_in_threadpool(write_report_of, session, given.get("name")))
+
+    def written() -> dict[str, Any]:
+        from shapeconcepts.explorer.leaving import write_report_of
+
+        return write_report_of(telling.session, given.get("name"))
+
+    return JSONResponse(await run_in_threadpool(written))
 
 
 def _json(content: bytes) -> Response:
@@ -127,10 +140,10 @@ def _document(body: bytes) -> Mapping[str, Any]:
     return document
 
 
-def _rows(session: Session, text: str) -> list[int]:
+def _rows(telling: Telling, text: str) -> list[int]:
     """Numbers of scans, separated by commas."""
     parts = text.split(",")
-    n_scans = len(session.shown.scan_names_)
+    n_scans = telling.n_scans
     if not all(
         part.isascii() and part.isdecimal() and len(part) < 10 and int(part) < n_scans for part in parts
     ):

@@ -12,33 +12,34 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from shapeconcepts.report.html import ScanPreview
-    from shapeconcepts.segmentation import SegmentedObject
 
 N_ELEMENTS = 300
 MOST_BYTES_KEPT = 64_000_000
+# While one reads what was kept, another may wait for the model.
+_LEAST_THREADS = 2
 _HEADER = struct.Struct("<IHHfffff")
 
 
 class Previews:
-    """Makes previews in a few threads, each once, and keeps the latest ones.
+    """Makes packed previews in a few threads, each once, and keeps the latest ones.
 
     Kernels run without the lock of Python, so that threads keep as many cores busy.
 
     Parameters
     ----------
-    segmented : callable
-        The segmented scan of a row; whatever it raises, there is no picture then.
+    packed : callable
+        The packed preview of a row.
     """
 
-    def __init__(self, segmented: Callable[[int], SegmentedObject]) -> None:
-        self._segmented = segmented
-        self._threads = ThreadPoolExecutor(cpu_count() or 1, "previews")
+    def __init__(self, packed: Callable[[int], bytes]) -> None:
+        self._packed = packed
+        self._threads = ThreadPoolExecutor(max(cpu_count() or 1, _LEAST_THREADS), "previews")
         self._lock = Lock()
         self._made: OrderedDict[int, Future[bytes]] = OrderedDict()
         self._n_bytes = 0
 
     def of(self, row: int) -> Future[bytes]:
-        """The packed preview of a scan, which may still be in the making."""
+        """The preview of a scan, which may still be in the making."""
         with self._lock:
             future = self._made.get(row)
             if future is None:
@@ -56,12 +57,7 @@ class Previews:
         self._threads.shutdown(wait=False, cancel_futures=True)
 
     def _make(self, row: int) -> bytes:
-        from shapeconcepts.report.html import preview
-
-        try:
-            packed = pack(row, preview(self._segmented(row), N_ELEMENTS))
-        except Exception:  # why there is none is said where the one scan is asked for
-            packed = pack(row, None)
+        packed = self._packed(row)
         with self._lock:
             self._n_bytes += len(packed)
             while self._n_bytes > MOST_BYTES_KEPT:

@@ -13,17 +13,17 @@ from shapeconcepts.explorer.access import Guard
 from shapeconcepts.explorer.application import application
 
 if TYPE_CHECKING:
-    from shapeconcepts.explorer.session import Session
+    from shapeconcepts.explorer.telling import Telling
 
 _HOST = "127.0.0.1"
 
 
 class ExplorerServer:
-    """Serves a session in a thread of its own.
+    """Serves what there is to tell of a model, in a thread of its own.
 
     Parameters
     ----------
-    session : Session
+    telling : Telling
     port : int
         0 for any that is free.
 
@@ -38,13 +38,13 @@ class ExplorerServer:
         If the port is taken, or is not for this user.
     """
 
-    def __init__(self, session: Session, port: int = 0) -> None:
+    def __init__(self, telling: Telling, port: int = 0) -> None:
         self._socket = socket.create_server((_HOST, port))
         port = self._socket.getsockname()[1]
         token = secrets.token_urlsafe(16)
         self.address = f"http://{_HOST}:{port}/{token}/"
         config = uvicorn.Config(
-            Guard(application(session), token, port),
+            Guard(application(telling), token, port),
             log_config=None,
             access_log=False,
             lifespan="off",

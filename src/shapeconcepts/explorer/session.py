@@ -1,17 +1,16 @@
-"""A model that is looked at and corrected: the one lock around it, and what is kept of it."""
+"""A model that is looked at and corrected, and the one lock around it."""
 
 from __future__ import annotations
 
 import copy
-import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from threading import Event, RLock
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from shapeconcepts.explorer.changes import Changes
-from shapeconcepts.explorer.previews import Previews
+from shapeconcepts.explorer.file_status import file_status
 
 if TYPE_CHECKING:
     from shapeconcepts.corrections import JournalFile
@@ -21,15 +20,15 @@ if TYPE_CHECKING:
     from shapeconcepts.sources.reader import ReadOptions
 
 _SECONDS_BETWEEN_LOOKS = 0.5
+# Names are found a few at a time, so that neither windows nor files wait for all.
 _NAMED_AT_ONCE = 8
-_Status = tuple[int, int, int] | None
 
 
 class Session:
-    """A model, read from its file by `open`, that any number of threads ask and correct.
+    """A model, read from its file by `open`, that any number of threads look at and correct.
 
-    Edits are made one after the other, and what is asked is answered by a copy of the model as it was after
-    one of them: nobody waits for anybody who only looks.
+    Edits are made one after the other. Who looks gets a copy of the model as it was after one of them, and so
+    waits for nobody.
 
     Parameters
     ----------
@@ -44,22 +43,27 @@ class Session:
     ----------
     changes : Changes
         Announced after each edit, and whenever there is more to tell.
-    previews : Previews
-    is_ready : bool
-        Whether the model is read.
+    model_status, journal_status : str
+        Of the files as they were read.
+    suggested : dict of int to str
+        What concepts may be called, by their medoids.
+    is_likeness_known : bool
+        Whether it was found out which scans are alike, without which there are no doubts.
+    trouble : str
+        Why a file that another process wrote cannot be read.
     """
 
     def __init__(self, path: Path, places: Sequence[Path], reading: ReadOptions) -> None:
         self.path, self.places, self.reading = path, list(places), reading
-        self.changes, self.previews = Changes(), Previews(self.segmented)
-        self.is_ready = False
-        self._lock, self._closing = RLock(), Event()
-        self._told: dict[str, tuple[int, bytes]] = {}
+        self.changes = Changes()
+        self.suggested: dict[int, str] = {}
+        self.is_likeness_known = False
+        self.trouble = ""
+        self._journal_path = Path(f"{path.resolve()}.journal")
+        self.model_status, self.journal_status = file_status(path), file_status(self._journal_path)
+        self._lock, self._is_read, self._is_closed = RLock(), Event(), Event()
         self._held = ExitStack()
-        self._suggested: dict[int, str] = {}
-        self._trouble = ""
-        self._model_version = 0
-        self._is_likeness_known = False
+        self._shown: ShapeConceptModel | None = None
 
     # What the main thread does.
 
@@ -70,6 +74,8 @@ class Session:
         ------
         ModelError
             If there is none, or another explorer has it.
+        ScanError
+            If there are no scans where they are said to be.
         """
         from shapeconcepts.corrections import JournalFile
 
@@ -77,127 +83,56 @@ class Session:
         # Where nothing can be written, it can still be looked at: each edit says why it cannot be made.
         with suppress(OSError):
             self._held.enter_context(self._journal.held())
-        self._model_status = _status(self.path)
         self._take(*self._read())
 
+    def wait(self) -> bool:
+        """Until it is time to keep up again, True; or False, as the session is closed."""
+        return not self._is_closed.wait(_SECONDS_BETWEEN_LOOKS)
+
     def keep_up(self) -> None:
-        """Follow the files, and find out what takes its time, until the session is closed."""
-        while not self._closing.wait(_SECONDS_BETWEEN_LOOKS):
-            self.follow_files()
-            self.think()
-
-    def follow_files(self) -> None:
-        """Take what other processes wrote: a model that learned on, or edits."""
-        from shapeconcepts.model_file import ModelError
-
-        try:
-            if (status := _status(self.path)) != self._model_status:
-                # One that cannot be read is not tried again until it changes.
-                self._model_status = status
-                self._take(*self._read())
-            elif _status(self._journal.path) != self._journal_status:
-                with self._lock:
-                    self._read_journal()
-            else:
-                return
-            self._trouble = ""
-        except (ModelError, OSError) as error:
-            # What was read before stays.
-            self._trouble = str(error)
-        self.changes.announce()
-
-    def think(self) -> None:
-        """Find out what is alike, and what concepts may be called, if there is something new."""
-        from shapeconcepts.explorer.suggestions import suggested_name
-
-        if not self._is_likeness_known:
-            # It tells of what was learned: edits that are made meanwhile change nothing in it.
-            if self._model.novelty_ is not None:
-                self._model.likeness()
-            self._is_likeness_known = True
-            with self._lock:
-                self._show()
-        medoids = [
-            concept.medoid for concept in self.shown.concepts_ if concept.medoid not in self._suggested
-        ]
-        if medoids and self.places:
-            # A few at a time, so that neither windows nor files wait for all.
-            found = {row: suggested_name(self.segmented, row) for row in medoids[:_NAMED_AT_ONCE]}
-            self._suggested = {**self._suggested, **found}
-            self.changes.announce()
+        """Follow the files, and find out what takes its time."""
+        self._follow_files()
+        self._find_likeness()
+        self._suggest_names()
 
     def close(self) -> None:
         """Let another explorer have the model."""
-        self._closing.set()
-        self.previews.close()
+        self._is_closed.set()
         self._held.close()
 
     # What the threads of the server do.
 
     @property
+    def is_read(self) -> bool:
+        """Whether the model is read."""
+        return self._is_read.is_set()
+
+    @property
     def shown(self) -> ShapeConceptModel:
-        """The model after the last edit. It does not change."""
+        """The model after the last edit, as soon as it is read. It does not change."""
+        self._is_read.wait()
+        assert self._shown is not None
         return self._shown
 
-    def edit(self, say: Callable[[ShapeConceptModel], object]) -> bytes:
-        """Make an edit; the state after it, once it is on the disk.
+    def edit(self, say: Callable[[ShapeConceptModel], object]) -> None:
+        """Make an edit; it is on the disk when this returns.
 
         Raises
         ------
         ValueError
             If it cannot be made, or not be written: then nothing has changed.
         """
+        self._is_read.wait()
         with self._lock:
             try:
                 say(self._model)
                 self._model.write_journal(self.path)
             except (OSError, ValueError) as error:
+                # What was said and not written was not said.
                 self._read_journal()
-                reason = error.strerror if isinstance(error, OSError) else None
-                raise ValueError(
-                    f"{self._journal.path}: cannot be written ({reason})" if reason else str(error)
-                ) from None
-            self._journal_status = _status(self._journal.path)
+                raise ValueError(_refusal(error, self._journal.path)) from None
+            self.journal_status = file_status(self._journal_path)
             self._show()
-            return self.state_json()
-
-    def model_json(self) -> bytes:
-        """What stays the same until the model's file changes."""
-        from shapeconcepts.explorer.model_document import model_document
-
-        def document() -> dict[str, Any]:
-            about = model_document(self.shown, self.path.name, bool(self.places), self.reading)
-            return {**about, "modelVersion": self._model_version}
-
-        return self._kept("model", self._model_version, document)
-
-    def state_json(self) -> bytes:
-        """What edits change."""
-        from shapeconcepts.explorer.state_document import state_document
-
-        # What comes while it is made makes a version of its own.
-        version = self.changes.version
-
-        def document() -> dict[str, Any]:
-            state = state_document(self.shown, self._suggested, self._is_likeness_known)
-            return {
-                "version": version,
-                "modelVersion": self._model_version,
-                "trouble": self._trouble,
-                **state,
-            }
-
-        return self._kept("state", version, document)
-
-    def figures_json(self) -> bytes:
-        """What the figures of a report show."""
-        from shapeconcepts.report.html.contents import report_contents
-
-        version, model = self.changes.version, self.shown
-        previews = [None] * len(model.scan_names_)
-        return self._kept(
-            "figures", version, lambda: report_contents(model, previews, (), self.path.name, {})
-        )
 
     def segmented(self, row: int) -> SegmentedObject:
         """A scan with its segments.
@@ -207,42 +142,74 @@ class Session:
         ScanError
             If it is not there, or cannot be used.
         """
-        return self._found.segmented(row, self.shown.segmenter_)
+        model = self.shown
+        return self._found.segmented(row, model.segmenter_)
 
-    def scan(self, row: int) -> dict[str, Any]:
-        """What there is to say of one scan."""
-        from shapeconcepts.explorer.scan_document import scan_document
-        from shapeconcepts.scan import ScanError
-
-        reason, segmented = "", None
-        try:
-            segmented = self.segmented(row)
-        except ScanError as error:
-            reason = str(error)
-        return scan_document(self.shown, row, segmented, reason, self._found.path_of(row))
+    def path_of(self, row: int) -> Path | None:
+        """The file that holds a scan, where that is known."""
+        self._is_read.wait()
+        return self._found.path_of(row)
 
     # How it works.
+
+    def _follow_files(self) -> None:
+        """Take what other processes wrote: a model that learned on, or edits."""
+        from shapeconcepts.model_file import ModelError
+        from shapeconcepts.scan import ScanError
+
+        try:
+            if (status := file_status(self.path)) != self.model_status:
+                # One that cannot be read is not tried again until it changes.
+                self.model_status = status
+                self._take(*self._read())
+            elif file_status(self._journal_path) != self.journal_status:
+                with self._lock:
+                    self._read_journal()
+            else:
+                return
+            self.trouble = ""
+        except (ModelError, ScanError, OSError) as error:
+            # What was read before stays.
+            self.trouble = str(error)
+        self.changes.announce()
+
+    def _find_likeness(self) -> None:
+        if self.is_likeness_known:
+            return
+        # It tells of what was learned: edits that are made meanwhile change nothing in it.
+        if self._model.novelty_ is not None:
+            self._model.likeness()
+        with self._lock:
+            self.is_likeness_known = True
+            self._show()
+
+    def _suggest_names(self) -> None:
+        from shapeconcepts.explorer.suggestions import suggested_name
+
+        medoids = [one.medoid for one in self.shown.concepts_ if one.medoid not in self.suggested]
+        if medoids and self.places:
+            found = {row: suggested_name(self.segmented, row) for row in medoids[:_NAMED_AT_ONCE]}
+            self.suggested = {**self.suggested, **found}
+            self.changes.announce()
 
     def _read(self) -> tuple[ShapeConceptModel, FoundScans]:
         from shapeconcepts.explorer.found_scans import FoundScans
         from shapeconcepts.model import load_model
+        from shapeconcepts.parallel import MOST_THREADS
 
-        model = load_model(self.path)
-        model.consolidate()
+        model = load_model(self.path).set_params(n_jobs=MOST_THREADS)
         return model, FoundScans(model.scan_names_, self.places, self.reading)
 
     def _take(self, model: ShapeConceptModel, found: FoundScans) -> None:
         with self._lock:
             self._model, self._found = model, found
-            self._suggested, self._is_likeness_known = {}, False
-            self.previews.forget()
-            self._model_version += 1
+            self.suggested, self.is_likeness_known = {}, False
             # Something may have been said since it was read.
             self._read_journal()
-            self.is_ready = True
+            self._is_read.set()
 
     def _read_journal(self) -> None:
-        self._journal_status = _status(self._journal.path)
+        self.journal_status = file_status(self._journal_path)
         self._model._read_journal(self.path)
         self._show()
 
@@ -251,19 +218,8 @@ class Session:
         self._shown = copy.copy(self._model)
         self.changes.announce()
 
-    def _kept(self, name: str, version: int, document: Callable[[], Mapping[str, Any]]) -> bytes:
-        """A document of a version, made once."""
-        kept_version, content = self._told.get(name, (-1, b""))
-        if kept_version != version:
-            content = json.dumps(document(), allow_nan=False, separators=(",", ":")).encode("ascii")
-            self._told[name] = version, content
-        return content
 
-
-def _status(path: Path) -> _Status:
-    """What tells that a file was replaced or written, None where there is none."""
-    try:
-        status = path.stat()
-    except OSError:
-        return None
-    return status.st_mtime_ns, status.st_size, status.st_ino
+def _refusal(error: OSError | ValueError, place: Path) -> str:
+    if isinstance(error, OSError):
+        return f"{place}: cannot be written ({error.strerror or error}), so nothing was changed"
+    return str(error)

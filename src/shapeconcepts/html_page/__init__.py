@@ -16,7 +16,6 @@ from typing import NamedTuple
 
 from shapeconcepts.printable import markup_bytes
 
-
 STYLES = ("base", "figures")
 # Elements, numbers, colours and scans.
 DRAWING = ("elements", "formats", "colours", "scan_view", "tree_bands")
@@ -42,9 +41,8 @@ class PageParts(NamedTuple):
     @property
     def policy(self) -> str:
         """Nothing that a file's name might smuggle in is ever run, and nothing is fetched from elsewhere."""
-        return (
-            f"default-src 'none'; img-src data:; style-src {_hash(self.style)}; script-src {_hash(self.script)}"
-        )
+        ours = f"style-src {_hash(self.style)}; script-src {_hash(self.script)}"
+        return f"default-src 'none'; img-src data:; {ours}"
 
     def page(self, **places: str) -> bytes:
         """The page, with what belongs in the template's other places, as markup."""
@@ -69,7 +67,7 @@ def shared_scripts(names: Iterable[str]) -> list[str]:
 
 
 def closed_script(parts: Iterable[str]) -> str:
-    """One script, in which each part may use what those before it define, and of which nothing else is seen."""
+    """One script, in which each part may use what those before it define; nothing else sees any of it."""
     return '"use strict";\n(() => {\n' + "\n".join(parts) + "\n})();\n"
 
 
