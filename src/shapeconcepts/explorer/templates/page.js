@@ -1,6 +1,8 @@
 // From the first answer of the server on.
 window.addEventListener("hashchange", () => { passing = null; if (current !== null) { showPlace(); } });
 onCurrent(() => { if (passing === null) showPlace(); });
+// How many edits are in force, for who looks on from outside.
+onCurrent(() => { document.body.dataset.edits = current.journal.filter((edit) => !edit.undone).length; });
 onCurrent(() => { if (current.trouble) refused(current.trouble); });
 
 let isAsking = false;
