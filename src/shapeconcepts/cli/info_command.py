@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from shapeconcepts.cli.concept_summary import UNKNOWN, in_words, model_summary, print_concepts
+from shapeconcepts.cli.learning_on import say_edits
 from shapeconcepts.cli.model_input import read_model
 from shapeconcepts.cli.options import Json, ModelFile
 from shapeconcepts.cli.terminal import fail, say, tell, tell_json
@@ -35,9 +36,13 @@ def info(
     """
     learned = read_model(model)
     if name:
+        from shapeconcepts.model_file import ModelError
+
         _rename(learned, name)
         try:
             learned.save(model)
+        except ModelError as error:
+            fail(str(error))
         except OSError as error:
             fail(f"cannot write {model}: {error.strerror or error}")
     summary = model_summary(learned)
@@ -47,6 +52,7 @@ def info(
     tell(f"{model}: {in_words(learned)}; {summary['n_motifs']} {learned.ensemble_.columns}")
     tell(", ".join(f"{key} {value}" for key, value in summary["parameters"].items()))
     print_concepts(learned)
+    say_edits(learned)
     if name:
         say(f"Wrote {model}")
 

@@ -11,7 +11,15 @@ import typer
 
 from shapeconcepts.cli.cluster_option import Cluster, on_cluster
 from shapeconcepts.cli.concept_summary import in_words, model_summary, other_cuts_in_words, print_concepts
-from shapeconcepts.cli.learning_on import is_new, known_as, known_scans, say_update
+from shapeconcepts.cli.learning_on import (
+    corrected_before,
+    is_new,
+    keep_corrections,
+    known_as,
+    known_scans,
+    say_edits,
+    say_update,
+)
 from shapeconcepts.cli.model_input import one_thread, read_model
 from shapeconcepts.cli.object_reader import (
     ObjectReader,
@@ -235,6 +243,7 @@ def learn(
                 "is for a new model: that of --update keeps its own", param_hint="--identities-of"
             )
     earlier = None if identities_of is None else read_model(identities_of)
+    corrected = corrected_before(model) if update is None and earlier is None else None
     learner = _learner(preset) if update is None else read_model(update)
     set_from_options(learner, parameters)
     cache = None if no_cache else user_cache()
@@ -259,6 +268,8 @@ def learn(
                 learner.fit(_given_away(collection.described))
                 if earlier is not None:
                     _take_identities(learner, earlier)
+                elif corrected is not None:
+                    keep_corrections(learner, corrected)
             else:
                 collection = _learn_on(learner, collection)
         told = _told_by_the_report(
@@ -283,6 +294,7 @@ def learn(
         print_concepts(learner)
     if learner.history_:
         say_update(learner, learner.history_[-1])
+    say_edits(learner)
     say(f"Learned {in_words(learner)}")
     if others := other_cuts_in_words(learner):
         say(others)
@@ -373,11 +385,12 @@ def _write(
 ) -> None:
     """Write model and report: both or, where one of them cannot be written, none."""
     from shapeconcepts.io.atomic_write import written_together
+    from shapeconcepts.model_file import ModelError
     from shapeconcepts.report.html import write_report
 
     paths = [model] if report is None else [model, report]
     try:
-        with written_together():
+        with warnings_said(), written_together():
             learner.save(model)
             if report is not None:
                 with busy("Writing the report"):
@@ -388,5 +401,7 @@ def _write(
                         unread=collection.skipped,
                         reading=reading_told,
                     )
+    except ModelError as error:
+        fail(str(error))
     except OSError as error:
         fail(f"cannot write {' and '.join(map(str, paths))}: {error.strerror or error}")

@@ -1,7 +1,9 @@
-"""What an update changed, in words; and scans that a model knows already."""
+"""What an update changed, and what of the user's edits still fits, in words; and scans that are known."""
 
 from __future__ import annotations
 
+import contextlib
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from shapeconcepts.cli.terminal import say
@@ -27,6 +29,48 @@ def say_update(model: ShapeConceptModel, update: Update) -> None:
         say(f"  {model.scan_names_[scan] or f'scan {scan}'}: from {source} to {target}")
     if len(joined) > _MOVES_SHOWN:
         say(f"  {len(joined) - _MOVES_SHOWN:,} more of the scans known before are in another concept")
+
+
+def corrected_before(path: Path) -> ShapeConceptModel | None:
+    """The model that a new one is to replace, if somebody corrected it."""
+    from shapeconcepts.corrections import JournalFile
+    from shapeconcepts.model_file import ModelError
+
+    file = JournalFile(path)
+    if not path.exists() or not file.path.exists():
+        return None
+    from shapeconcepts.model import load_model
+
+    try:
+        file.read()
+    except ModelError as error:
+        say(f"Note: {error}; it is {file.set_aside()} now")
+        return None
+    try:
+        return load_model(path)
+    except ModelError as error:
+        say(f"Note: the edits beside {path} cannot be kept, as the model that they are of {error}")
+        return None
+
+
+def keep_corrections(model: ShapeConceptModel, earlier: ShapeConceptModel) -> None:
+    """Let a new model have the identities and edits of the one that it replaces."""
+    with contextlib.suppress(ValueError):
+        # Without a scan in common, saving sets the edits aside, and says so.
+        model.take_identities(earlier)
+
+
+def say_edits(model: ShapeConceptModel) -> None:
+    """Say how many edits are in force, and which of them no longer fit."""
+    edits = [edit for edit in model.journal if not edit.is_undone]
+    unfit = [edit for edit in edits if edit.unfit]
+    if edits:
+        say(
+            f"{len(edits):,} edits are in force"
+            + (f", of which {len(unfit):,} no longer fit:" if unfit else "")
+        )
+    for edit in unfit:
+        say(f"  {edit.number}. {edit.text}: {edit.unfit}")
 
 
 def concept_key_title(name: str, key: int) -> str:

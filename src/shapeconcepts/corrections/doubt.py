@@ -12,8 +12,6 @@ from shapeconcepts.corrections.replay import Corrected
 
 # Neighbours of a concept that a scan's distance to it is the mean of: one may be wrong itself.
 _SEVERAL = 3
-# Scans whose distances tell what the scans of a concept are like: fewer promise nothing.
-LEAST_MEMBERS = 5
 
 
 class Likeness(NamedTuple):
@@ -58,41 +56,44 @@ def doubts(corrected: Corrected, likeness: Likeness) -> NDArray[np.float64]:
 def confident(
     corrected: Corrected, likeness: Likeness, undecided: NDArray[np.int64], rate: float
 ) -> NDArray[np.int64]:
-    """Named concept that each undecided scan may be in, by its key; -1 where none or several may be it.
+    """Named concept that each undecided scan can only be in, by its key; -1 where there is none.
 
     A scan may be in a concept if its p-value is above the rate: the share of the concept's scans that are as
-    far from the nearest other one (conformal prediction, as `Novelty`). So of scans that are in a named
-    concept, as many as the rate says are not put there, and what resembles two is left to the user.
+    far from the nearest other one (conformal prediction, as `Novelty`); of a concept with too few scans to
+    tell such a rate, the share of all. A concept without a name is one that a scan may be in, too, unless
+    the user put some of its scans into a named one: then it is known to be a mixture.
 
     Parameters
     ----------
     corrected : Corrected
     likeness : Likeness
     undecided : (m,) int64
-        Scans.
+        Scans that are in no named concept.
     rate : float
         0 to 1.
     """
-    is_undecided = np.zeros(len(corrected.keys), bool)
-    is_undecided[undecided] = True
-    keys = np.where(is_undecided, NONE, corrected.keys)
+    keys = corrected.keys
     of_neighbours = np.where(likeness.neighbours >= 0, keys[likeness.neighbours], NONE)
-    chosen, n_possible = np.full(len(undecided), NONE), np.zeros(len(undecided), int)
-    nearest = np.full(len(undecided), np.inf)
-    for key in sorted(set(corrected.names) & set(keys.tolist())):
-        if not corrected.names[key]:
+    to_own = _first(likeness.distances, (of_neighbours == keys[:, None]) & (of_neighbours != NONE))
+    is_named = np.isin(keys, [key for key, name in corrected.names.items() if name])
+    taken_out = is_named & corrected.is_certain & (keys != corrected.learned_keys)
+    mixtures = set(corrected.learned_keys[taken_out].tolist())
+    everywhere = np.sort(to_own[keys != NONE])
+    found, n_possible = np.full(len(undecided), NONE), np.zeros(len(undecided), int)
+    for key in np.unique(keys[keys != NONE]).tolist():
+        has_name = bool(corrected.names.get(key))
+        if not has_name and key in mixtures:
             continue
-        members = np.flatnonzero(keys == key)
-        if len(members) < LEAST_MEMBERS:
-            continue
-        known = np.sort(_first(likeness.distances[members], of_neighbours[members] == key))
+        known = np.sort(to_own[keys == key])
+        if rate * (1 + len(known)) < 1:
+            known = everywhere
         distances = _first(likeness.distances[undecided], of_neighbours[undecided] == key)
         n_as_far = len(known) - np.searchsorted(known, distances, side="left")
         is_possible = (1 + n_as_far) / (1 + len(known)) > rate
         n_possible += is_possible
-        is_nearer = is_possible & (distances < nearest)
-        chosen[is_nearer], nearest[is_nearer] = key, distances[is_nearer]
-    return np.where(n_possible == 1, chosen, NONE)
+        if has_name:
+            found[is_possible] = key
+    return np.where(n_possible == 1, found, NONE)
 
 
 def _first(distances: NDArray[np.float64], is_there: NDArray[np.bool_]) -> NDArray[np.float64]:

@@ -62,6 +62,8 @@ class Edit:
         Concepts, by key, and the scans that belong there; -1 is none.
     made : tuple of int
         Keys of concepts that came to be by this edit.
+    next_key : int
+        Where concepts are parted or joined as wholes, the first key that no concept had before.
     names : tuple of (int, str)
         Concepts, by key, and what they are called.
     linked : tuple of (ScanReference, ScanReference, bool)
@@ -79,6 +81,7 @@ class Edit:
     keys: tuple[int, ...] = ()
     groups: tuple[tuple[int, tuple[ScanReference, ...]], ...] = ()
     made: tuple[int, ...] = ()
+    next_key: int = 0
     names: tuple[tuple[int, str], ...] = ()
     linked: tuple[tuple[ScanReference, ScanReference, bool], ...] = ()
     of: int = 0
@@ -110,7 +113,7 @@ class Edit:
         return edit
 
 
-_STORED = ("number", "kind", "text", "keys", "groups", "made", "names", "linked", "of")
+_STORED = ("number", "kind", "text", "keys", "groups", "made", "next_key", "names", "linked", "of")
 _REQUIRED = {"number", "kind", "text"}
 
 
@@ -123,6 +126,7 @@ def _check(edit: Edit) -> None:
     require(edit.kind in KINDS, f"has kind {edit.kind!r:.40}, expected one of {', '.join(KINDS)}")
     require(isinstance(edit.text, str), f"must have a text, got {edit.text!r:.40}")
     require(_is_whole(edit.of, 0), f"must name the edit that is undone, got {edit.of!r:.40}")
+    require(_is_whole(edit.next_key, 0), f"must have a key as next_key, got {edit.next_key!r:.40}")
     for name in ("keys", "made"):
         keys = getattr(edit, name)
         are_keys = isinstance(keys, tuple) and all(_is_whole(key, 0) for key in keys)

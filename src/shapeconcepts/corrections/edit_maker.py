@@ -68,7 +68,8 @@ class EditMaker:
         *first, last = map(_title, found)
         text = f"{', '.join(first)} and {last} are one" + (f", “{name}”" if name else "")
         keys, groups = tuple(one.key for one in found), self._groups({into.key: members})
-        return Edit(0, "merge", text, keys, groups, names=((into.key, name),) if name else ())
+        names = ((into.key, name),) if name else ()
+        return Edit(0, "merge", text, keys, groups, next_key=self.new_key, names=names)
 
     def split(
         self, concept: ConceptLike, scans: Iterable[ScanLike] | None, tree: Callable[[], GroupTree]
@@ -88,7 +89,8 @@ class EditMaker:
                 raise ValueError("scans must not be all of the concept: nothing would be left of it")
             text = f"{_counted(len(chosen))} of {_title(one)} became a concept of their own"
         groups = self._groups({one.key: kept, self.new_key: chosen})
-        return Edit(0, "split", text, (one.key,), groups, made=(self.new_key,))
+        made = (self.new_key,)
+        return Edit(0, "split", text, (one.key,), groups, made=made, next_key=self.new_key)
 
     def move(self, scans: Iterable[ScanLike], concept: ConceptLike | None, name: str) -> Edit:
         """Scans belong in a concept, or are a new one."""
@@ -166,6 +168,7 @@ class EditMaker:
             tuple(key for key in touched if key in number_of),
             self._groups({key: rows for key, rows in members.items() if len(rows)}),
             made=tuple(key for key in found.keys if key >= self.new_key),
+            next_key=self.new_key,
         )
 
     def propagate(self, rate: float, likeness: Likeness) -> Edit:

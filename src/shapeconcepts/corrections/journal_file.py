@@ -72,7 +72,9 @@ class JournalFile:
             return
         if not self.path.exists():
             header = json.dumps({"shapeconcepts_journal": FORMAT, "identity": journal.identity})
-            write_atomically(self.path, f"{header}\n".encode("ascii"))
+            lines = [header, *(edit.to_line() for edit in journal.lines)]
+            write_atomically(self.path, "".join(f"{line}\n" for line in lines).encode("ascii"))
+            return
         with self.path.open("r+b") as file:
             if fcntl is not None:
                 fcntl.flock(file, fcntl.LOCK_EX)

@@ -13,6 +13,8 @@ from shapeconcepts.corrections.scan_references import ScanReferences
 
 # (rows, candidates) -> position in the candidates of the one that each row is most like.
 MostAlike = Callable[[NDArray[np.int64], NDArray[np.int64]], NDArray[np.int64]]
+# A concept that came to be later is what became of an earlier one that gave it such a share of its scans.
+_OF_THEM = 1 / 4
 # By these the user says of each scan where it belongs; by others, of groups as wholes.
 _OF_EACH_SCAN = ("move", "foreign", "link", "confirm")
 
@@ -23,8 +25,8 @@ class Corrected:
 
     Attributes
     ----------
-    keys : (n,) int64
-        Concept of each scan, by its key, -1 for none.
+    keys, learned_keys : (n,) int64
+        Concept of each scan, by its key, with all edits and without any, -1 for none.
     is_foreign, is_certain : (n,) bool
         Whether the user said that it is something foreign, or where it belongs.
     names : dict of int to str
@@ -37,6 +39,7 @@ class Corrected:
     """
 
     keys: NDArray[np.int64]
+    learned_keys: NDArray[np.int64]
     is_foreign: NDArray[np.bool_]
     is_certain: NDArray[np.bool_]
     names: dict[int, str]
@@ -77,7 +80,7 @@ def replay(
     most_alike : callable
     """
     n = len(keys)
-    corrected = Corrected(keys.copy(), np.zeros(n, bool), np.zeros(n, bool), dict(names), next_key)
+    corrected = Corrected(keys.copy(), keys, np.zeros(n, bool), np.zeros(n, bool), dict(names), next_key)
     learned = set(keys.tolist())
     # A concept that was learned later, by another process, may have got the key of one that the user made.
     renumbered: dict[int, int] = {}
@@ -143,7 +146,8 @@ def _followers(
     is_named = np.zeros(len(corrected.keys), bool)
     for _, rows in groups:
         is_named[rows] = True
-    others = np.flatnonzero(np.isin(corrected.keys, edit.keys) & ~is_named)
+    parted = {*edit.keys, *_born_of(corrected.keys, is_named, edit.next_key)}
+    others = np.flatnonzero(np.isin(corrected.keys, sorted(parted)) & ~is_named)
     if not len(others):
         return []
     if len(groups) == 1:
@@ -152,6 +156,14 @@ def _followers(
     key_of = np.concatenate([np.full(len(rows), key) for key, rows in groups])
     keys = key_of[most_alike(others, named)]
     return [(int(key), others[keys == key]) for key in np.unique(keys)]
+
+
+def _born_of(keys: NDArray[np.int64], is_named: NDArray[np.bool_], next_key: int) -> list[int]:
+    """Concepts that an update made of those that are named here: they hold some of these scans."""
+    born = keys >= next_key
+    found, counts = np.unique(keys[born], return_counts=True)
+    n_named = [int((is_named & (keys == key)).sum()) for key in found]
+    return [int(key) for key, n, of in zip(found, n_named, counts, strict=True) if n >= _OF_THEM * of]
 
 
 def contradicted_links(corrected: Corrected) -> list[Link]:
