@@ -248,6 +248,7 @@ def test_every_edit_changes_the_state_and_stays(folder: Path) -> None:
         ]
         client.edit(kind="confirm", scans=[rows[0]])
         state = client.edit(kind="recut", granularity=0.02)
+        assert state["granularity"] == 0.02
         undone = client.edit(kind="undo")
         assert undone["canRedo"] and undone["journal"][-1]["undone"]
         assert client.edit(kind="redo")["conceptOfScan"] == state["conceptOfScan"]

@@ -80,6 +80,14 @@ class Corrections(ContinuedLearning):
         """Scans of which the user said where they belong, as rows of `labels_`, rising."""
         return np.flatnonzero(self._corrected.is_certain)
 
+    @property
+    def granularity_(self) -> float | None:
+        """At which the concepts were taken last, before what was said of them since; None without a tree."""
+        check_is_fitted(self, "filtration_")
+        recuts = [edit.granularity for edit in self._journal.in_force if edit.kind == "recut"]
+        learned: float | None = getattr(self.filtration_, "granularity_", None)
+        return recuts[-1] if recuts else learned
+
     # What can be said.
 
     def rename(self, concept: ConceptLike, name: str) -> Edit:

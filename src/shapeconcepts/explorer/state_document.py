@@ -73,7 +73,7 @@ def state_document(
         "canUndo": any(not edit.is_undone for edit in journal),
         # An edit that was undone before the last one cannot come back.
         "canRedo": bool(journal) and journal[-1].is_undone,
-        "granularity": model.filtration_.granularity_,
+        "granularity": model.granularity_,
         "links": [list(link) for link in model.links],
     }
 
