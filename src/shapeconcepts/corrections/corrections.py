@@ -44,6 +44,8 @@ class Corrections(ContinuedLearning):
     _corrected: Corrected
     _references: ScanReferences
     _likeness: Likeness | None
+    # Of the concepts as they are, once they are asked for.
+    _doubts: NDArray[np.float64] | None
     _contradicted: list[Link]
     _response: Any
     _learned_response: Any
@@ -310,12 +312,13 @@ class Corrections(ContinuedLearning):
 
         See `shapeconcepts.corrections.doubt.doubts`.
         """
-        return doubts(self._corrected, self.likeness())
+        if self._doubts is None:
+            self._doubts = doubts(self._corrected, self.likeness())
+        return self._doubts.copy()
 
     def next_question(self) -> Question | None:
         """What to ask the user: the question that decides the most scans, or None."""
-        likeness = self.likeness()
-        return next_question(self.concepts_, self._corrected, likeness, doubts(self._corrected, likeness))
+        return next_question(self.concepts_, self._corrected, self.likeness(), self.doubts())
 
     # The journal beside the model's file.
 
@@ -389,6 +392,7 @@ class Corrections(ContinuedLearning):
         numbers = np.array([number_of.get(int(key), -1) for key in keys_now], np.int32)
         self.labels_ = numbers[where].astype(np.int32)
         self._response = None if is_changed else self._learned_response
+        self._doubts = None
 
     @property
     def response_(self) -> Any:
