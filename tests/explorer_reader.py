@@ -63,14 +63,13 @@ class Window:
         return [edit["kind"] for edit in self.state()["journal"] if not edit["undone"]]
 
     def made(self, n: int) -> dict:
-        """The state once so many edits are in force, of which the page tells."""
+        """The state once so many edits are in force, of which the page tells, and no dialog is open."""
         self.page.wait_for_function(
-            "n => Number(document.body.dataset.edits) === n", arg=n, polling=20
+            "n => Number(document.body.dataset.edits) === n && !document.getElementById('dialog').open",
+            arg=n,
+            polling=20,
         )
         return self.state()
-
-    def row(self, key: int) -> list[int]:
-        return [row for row, own in enumerate(self.state()["conceptOfScan"]) if own == key]
 
     def close(self) -> None:
         self.context.close()

@@ -11,7 +11,8 @@ const gallery = (() => {
 
   // Scans in the order in which they are shown, and the lines that show them: headers, and rows of tiles.
   let items = [], lines = [], columns = 1, side = 120, sections = [], isMixed = false;
-  let active = -1, anchor = -1;
+  // While scans are picked one by one, walking on leaves them be; else the one that is walked to is chosen.
+  let active = -1, anchor = -1, isPicking = false;
   const chosen = new Set(), tiles = new Map(), shownHeaders = new Map(), spare = [];
   const selectionFollowers = [];
 
@@ -171,6 +172,7 @@ const gallery = (() => {
     } else {
       anchor = active;
       if (toggle) { if (!chosen.delete(row)) chosen.add(row); } else if (!keep) { chosen.clear(); chosen.add(row); }
+      if (!keep) isPicking = toggle && chosen.size > 0;
     }
     reveal(active);
     changed();
@@ -207,14 +209,13 @@ const gallery = (() => {
     const page = Math.max(1, Math.floor(room.height / (side + CAPTION + GAP)));
     const pages = (by) => { for (let k = 0; k < page; k++) active = vertical(by); return active; };
     if (command && event.key === "a") { items.forEach((row) => chosen.add(row)); changed(); }
-    else if (event.key === " ") moveTo(at, { toggle: true });
+    else if (event.key === " ") { if (isPicking || place.isChoosing || !chosen.has(items[at])) moveTo(at, { toggle: true }); else isPicking = true; }
     else {
       if (active < 0) active = 0;
       const to = { ArrowRight: () => at + 1, ArrowLeft: () => at - 1, ArrowDown: () => vertical(1), ArrowUp: () => vertical(-1),
         Home: () => 0, End: () => items.length - 1, PageDown: () => pages(1), PageUp: () => pages(-1) }[event.key];
       if (!to) return;
-      // While several are chosen one by one, walking on leaves them be.
-      moveTo(to(), { extend: event.shiftKey, keep: command || place.isChoosing });
+      moveTo(to(), { extend: event.shiftKey, keep: command || place.isChoosing || isPicking });
     }
     event.preventDefault();
     event.stopPropagation();
@@ -231,6 +232,15 @@ const gallery = (() => {
   list.addEventListener("dblclick", () => { if (active >= 0) openScanSheet(); });
   list.addEventListener("focus", () => { if (active < 0 && items.length && list.matches(":focus-visible")) moveTo(0, { keep: true }); });
 
+  // The heading that was followed is gone in a moment: the keyboard stays in the gallery.
+  headers.addEventListener("click", (event) => {
+    const link = event.target.closest("a");
+    if (!link) return;
+    event.preventDefault();
+    go(link.getAttribute("href"));
+    list.focus({ preventScroll: true });
+  });
+
   let isScrolling = false;
   scroller.addEventListener("scroll", () => {
     if (isScrolling) return;
@@ -245,7 +255,7 @@ const gallery = (() => {
       const row = items[active];
       sections = newSections;
       isMixed = mixed;
-      if (isNew) { scrollTo(0); active = anchor = -1; chosen.clear(); }
+      if (isNew) { scrollTo(0); active = anchor = -1; chosen.clear(); isPicking = false; }
       lay();
       if (!isNew) {
         const there = new Set(sections.flatMap((section) => section.rows));
@@ -257,8 +267,7 @@ const gallery = (() => {
       empty.textContent = message;
       changed();
     },
-    choose(rows) { chosen.clear(); rows.forEach((row) => chosen.add(row)); changed(); },
-    clear() { chosen.clear(); changed(); },
+    clear() { chosen.clear(); isPicking = false; changed(); },
     focus() { list.focus({ preventScroll: true }); },
     reveal(row) { const item = items.indexOf(row); if (item >= 0) moveTo(item); },
     step(by) { moveTo(Math.max(active, 0) + by); },

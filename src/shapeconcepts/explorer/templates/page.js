@@ -5,15 +5,19 @@ onCurrent(() => { if (passing === null) showPlace(); });
 onCurrent(() => { document.body.dataset.edits = current.journal.filter((edit) => !edit.undone).length; });
 onCurrent(() => { if (current.trouble) refused(current.trouble); });
 
-let isAsking = false;
-async function refresh() {
+// Until what was announced is here: more may be announced meanwhile.
+let announced = 0, isAsking = false;
+async function follow(version) {
+  announced = Math.max(announced, version);
   if (isAsking) return;
   isAsking = true;
   try {
-    const state = await awaited("state");
-    // Another process learned on: the scans are others, too.
-    if (state.modelVersion !== current.modelVersion) takeModel(await awaited("model"));
-    takeState(state);
+    while (current.version < announced) {
+      const state = await awaited("state");
+      // Another process learned on: the scans are others, too.
+      if (state.modelVersion !== current.modelVersion) takeModel(await awaited("model"));
+      takeState(state);
+    }
   } finally {
     isAsking = false;
   }
@@ -28,12 +32,7 @@ async function start() {
   takeState(state);
   gallery.focus();
   requestAnimationFrame(() => requestAnimationFrame(() => { document.documentElement.dataset.ready = Math.round(performance.now()); }));
-  listen(async (version) => {
-    if (version <= current.version) return;
-    await refresh();
-    // Another change came in between.
-    if (version > current.version) await refresh();
-  }, (isThere) => {
+  listen(follow, (isThere) => {
     document.body.classList.toggle("is-alone", !isThere);
     if (!isThere) refused("The server does not answer. What you see stays, but nothing can be changed until it is back.");
     else if (!trouble.hidden) trouble.hidden = true;
