@@ -33,9 +33,7 @@ class Window:
         self.complaints: list[str] = []
         self.requests: list[str] = []
         # Chromium tells of each answer that says that the model is still being read.
-        self.page.on(
-            "console", lambda message: "503" in message.text or self.complaints.append(message.text)
-        )
+        self.page.on("console", lambda message: "503" in message.text or self.complaints.append(message.text))
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.set_default_timeout(15_000)

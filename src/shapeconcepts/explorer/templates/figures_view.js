@@ -29,7 +29,7 @@ const figuresView = (() => {
     });
     drawn = contents.filtration.heat.length < 2 ? null : drawnFigures(contents, showTip);
     sheet.replaceChildren(element("h1", { textContent: "How the concepts came about" }),
-      element("p", { className: "quiet", textContent: "Click a dot, a bar or a branch to choose its concept, then go to its scans." }), ...(drawn?.figures ?? [element("p", { textContent: "Fewer than two places: there is nothing to draw." })]));
+      element("p", { className: "quiet", textContent: "Click a dot, a bar or a branch, then go to its scans." }), ...(drawn?.figures ?? [element("p", { textContent: "Fewer than two places: there is nothing to draw." })]));
     drawn?.onChange(fillChosen);
     makeReachable();
     fillChosen();
@@ -52,27 +52,37 @@ const figuresView = (() => {
 
   // What is chosen in the figures, and the way to its scans: a scan, a branch of the tree, or a concept.
   let row = null, branch = null;
-  sheet.addEventListener("branch", ({ detail }) => { row = null; branch = detail; fillChosen(); });
+  sheet.addEventListener("branch", ({ detail }) => { row = null; branch = detail; drawn.change({ marked: null }); fillChosen(); });
+  sheet.addEventListener("place", ({ detail }) => {
+    branch = null;
+    // Chosen twice, it is let go of.
+    row = drawn.state.marked === detail ? null : contents.rows[drawn.scansAt[detail][0]];
+    drawn.change({ marked: row === null ? null : detail, selected: row === null ? null : rankOf.get(conceptOf(row)) ?? null });
+    fillChosen();
+  });
   function fillChosen() {
     const rank = drawn?.state.selected ?? null;
     chosen.hidden = rank === null && row === null && branch === null;
     if (chosen.hidden) return;
     const concept = rank === null ? null : contents.concepts[rank];
     const isWhole = concept !== null && (branch === null || contents.groups[branch].isConcept);
-    const [name, way, goThere] = row !== null ? [nameOfScan(row), "To the scan", () => goToScan(row)]
-      : isWhole ? [nameOfKey(concept.key), `Its ${plural(concept.size, "scan")}`, () => go(`#concept/${concept.key}`)]
-      : ["A branch of the tree", `Its ${plural(contents.groups[branch].size, "scan")}`, () => go(`#branch/${branch}`)];
-    chosen.replaceChildren(element("span", { className: "swatch", style: { "--colour": concept?.colour ?? NONE_COLOUR } }), named(name),
-      element("button", { type: "button", className: "primary", id: "to-scans", textContent: way, onclick: () => { openView("scans"); goThere(); gallery.focus(); } }),
+    const name = row !== null ? nameOfScan(row) : isWhole ? nameOfKey(concept.key) : "A branch of the tree";
+    const way = (text, goThere) => element("button", { type: "button", textContent: text, onclick: () => { openView("scans"); goThere(); gallery.focus(); } });
+    const toAll = isWhole ? way(`Its ${plural(concept.size, "scan")}`, () => go(`#concept/${concept.key}`))
+      : branch !== null ? way(`Its ${plural(contents.groups[branch].size, "scan")}`, () => go(`#branch/${branch}`)) : "";
+    const toOne = row === null ? "" : way("To the scan", () => goToScan(row));
+    const first = toOne || toAll;
+    Object.assign(first, { id: "to-scans", className: "primary" });
+    chosen.replaceChildren(element("span", { className: "swatch", style: { "--colour": concept?.colour ?? NONE_COLOUR } }), named(name), toOne,
+      row !== null && isWhole ? Object.assign(toAll, { textContent: `All ${WHOLE.format(concept.size)} like it` }) : toAll,
       element("button", { type: "button", ariaLabel: "Let go of it", textContent: "×", onclick: () => { row = branch = null; drawn?.change({ selected: null, marked: null }); fillChosen(); } }));
   }
 
   // Bars of the granularity tree are buttons, and the canvases walk through the concepts by arrow keys.
   function makeReachable() {
-    const select = (rank) => { row = branch = null; drawn.change({ selected: rank }); };
+    const select = (rank) => { row = branch = null; drawn.change({ selected: rank, marked: null }); };
     for (const canvas of sheet.querySelectorAll("canvas")) {
       canvas.tabIndex = 0;
-      canvas.addEventListener("pointerdown", () => { row = branch = null; });
       canvas.addEventListener("keydown", (event) => {
         const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key], n = contents.concepts.length;
         if (event.key === "Enter" && drawn.state.selected !== null) document.getElementById("to-scans").click();
@@ -95,7 +105,7 @@ const figuresView = (() => {
       fillChosen();
       // The place of one scan is marked while it is looked for.
       const at = scan === null ? -1 : contents.rows.indexOf(scan);
-      if (at >= 0) drawn?.change({ marked: contents.scans.vertices[at] });
+      drawn?.change({ marked: at >= 0 && contents.scans.vertices[at] >= 0 ? contents.scans.vertices[at] : null });
       sheet.querySelector("canvas")?.scrollIntoView({ block: "center" });
     },
   };

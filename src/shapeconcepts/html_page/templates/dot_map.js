@@ -36,9 +36,8 @@ class DotMap {
     canvas.addEventListener("pointerleave", () => { showTip(null); change({ hovered: null }); });
     canvas.addEventListener("click", (event) => {
       const vertex = this.point(event);
-      const rank = vertex === null ? -1 : rankOfVertex[vertex];
-      if (rank < 0) change({ selected: null });
-      else toggle(rank);
+      if (vertex === null) change({ selected: null });
+      else choosePlace(canvas, vertex);
       // A finger does not hover.
       if (event.pointerType !== "mouse") change({ hovered: null });
     });

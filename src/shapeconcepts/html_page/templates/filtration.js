@@ -75,6 +75,13 @@ function drawnInSight(canvas, draw) {
   new IntersectionObserver((entries) => { isNear = entries.at(-1).isIntersecting; drawIfNear(); }, { rootMargin: "100%" }).observe(canvas);
 }
 const highlighted = () => state.hovered ?? state.selected;
+// A dot or a bar that was clicked: whoever shows its scans listens to this.
+function choosePlace(figure, vertex) {
+  const rank = rankOfVertex[vertex];
+  if (rank < 0) change({ selected: null });
+  else toggle(rank);
+  figure.dispatchEvent(new CustomEvent("place", { bubbles: true, detail: vertex }));
+}
 const toggle = (rank) => change({ selected: state.selected === rank ? null : rank });
 
 const shownSize = (scan) => shownSides(scans.sides[scan]);

@@ -24,15 +24,16 @@ function timelineFigure() {
     const share = (event.offsetY - CURVE - GAP) / barHeight();
     return share >= 0 && share < 1 ? byDeath[rowAt(share)] : null;
   };
-  let isPulling = false;
+  // A bar that is pressed and let go of is chosen; pulled aside, it is the time that is pulled.
+  let isPulling = false, pressed = null;
+  const pull = (event) => { isPulling = true; pressed = null; change({ time: pulledTo(event), hovered: null }); showTip(null); };
   canvas.addEventListener("pointerdown", (event) => {
-    isPulling = true;
     canvas.setPointerCapture(event.pointerId);
-    change({ time: pulledTo(event), hovered: null });
-    showTip(null);
+    const vertex = barAt(event);
+    if (vertex === null) pull(event); else pressed = { vertex, x: event.offsetX };
   });
   canvas.addEventListener("pointermove", (event) => {
-    if (isPulling) { change({ time: pulledTo(event) }); return; }
+    if (isPulling || (pressed !== null && Math.abs(event.offsetX - pressed.x) > 4)) { pull(event); return; }
     const vertex = barAt(event);
     if (vertex === null) showTip(null);
     else {
@@ -41,8 +42,8 @@ function timelineFigure() {
     }
     change({ hovered: vertex === null || rankOfVertex[vertex] < 0 ? null : rankOfVertex[vertex] });
   });
-  const release = () => { isPulling = false; };
-  canvas.addEventListener("pointerup", release);
+  const release = () => { isPulling = false; pressed = null; };
+  canvas.addEventListener("pointerup", () => { if (pressed !== null) choosePlace(canvas, pressed.vertex); release(); });
   canvas.addEventListener("pointercancel", release);
   canvas.addEventListener("pointerleave", () => { showTip(null); change({ hovered: null }); });
   return element("figure", {}, element("h3", { textContent: "Annexations over time, and the barcode" }), canvas,
