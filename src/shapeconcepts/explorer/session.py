@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import os
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
@@ -197,7 +198,9 @@ class Session:
         from shapeconcepts.model import load_model
         from shapeconcepts.parallel import MOST_THREADS
 
-        model = load_model(self.path).set_params(n_jobs=MOST_THREADS)
+        # One core is left for pictures.
+        n_jobs = max(min((os.cpu_count() or 1) - 1, MOST_THREADS), 1)
+        model = load_model(self.path).set_params(n_jobs=n_jobs)
         return model, FoundScans(model.scan_names_, self.places, self.reading)
 
     def _take(self, model: ShapeConceptModel, found: FoundScans) -> None:
