@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 import shapeconcepts
 from shapeconcepts.cli import app, object_reader, user_caches
 from shapeconcepts.cli.object_reader import useful_jobs
-from shapeconcepts.io import array_cache
+from shapeconcepts.io import user_cache_folder as cache_folder_module
 from shapeconcepts.io.write_pcd import write_pcd
 from shapeconcepts.scan import Scan, ScanError
 from shapeconcepts.segmentation import segment_cache
@@ -317,7 +317,7 @@ def test_no_cache_folder_without_a_home(
             return unknown
         raise unknown
 
-    monkeypatch.setattr(array_cache, "user_cache_path", user_cache_path)
+    monkeypatch.setattr(cache_folder_module, "user_cache_path", user_cache_path)
     with pytest.raises(OSError, match=r"~/\.cache|no home"):
         segment_cache.user_cache_folder()
     assert user_caches.user_cache() is None

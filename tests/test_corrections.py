@@ -151,12 +151,15 @@ def test_links_hold_and_are_told_of_when_they_no_longer_do(model):
 def test_the_cut_changes_and_what_was_said_of_scans_stays(model):
     coarse = float(model.concept_tree_.granularities[0]) / 2
     model.mark_foreign([1])
+    learned = model.granularity_
     edit = model.recut(coarse)
     assert len(model.concepts_) < 4 and model.foreign_.tolist() == [1]
+    assert edit.granularity == coarse == model.granularity_
     with pytest.raises(ValueError, match="already"):
         model.recut(coarse)
     before = state_of(model)
     model.undo()
+    assert model.granularity_ == learned
     model.redo()
     assert state_of(model) == before and edit.text.endswith(f"at granularity {coarse:.3g}")
 
@@ -501,6 +504,8 @@ def test_lines_hold_edits_whole(data):
         data.draw(key),
         tuple(data.draw(st.lists(st.tuples(key, text), max_size=3))),
         tuple(data.draw(st.lists(st.tuples(reference, reference, st.booleans()), max_size=3))),
+        data.draw(st.integers(0, 99)),
+        data.draw(st.floats(0, 1)),
     )
     line = edit.to_line()
     assert line.isascii() and "\n" not in line and Edit.from_line(line) == edit

@@ -43,12 +43,23 @@ def write_scene(path: Path, labels: list[int], x: float = 0.0) -> None:
     write_pcd(path, Scan(points, point_labels=np.repeat(labels, 3)))
 
 
+def same(one: FoundScan | UnusableScan, other: FoundScan | UnusableScan) -> bool:
+    """Whether a scan that is read alone is as it is among all."""
+    if isinstance(one, UnusableScan) or isinstance(other, UnusableScan):
+        return one == other
+    of_one, of_other = one.scan, other.scan
+    is_same = np.array_equal(of_one.points, of_other.points) and of_one.name == of_other.name
+    return is_same and (one.row, one.file, of_one.label) == (other.row, other.file, of_other.label)
+
+
 def found(names: list[str], folder: Path) -> tuple[dict[int, FoundScan | UnusableScan], list[int]]:
     scans = ScansInFiles(names, range(len(names)), find_scan_files(folder), {})
     results = list(scans.read())
     assert len({one.row for one in results}) == len(results)
     assert {one.row for one in results}.isdisjoint(scans.missing)
     assert len(results) + len(scans.missing) == len(names)
+    for one in results:
+        assert same(one, scans.read_one(one.row))
     return {one.row: one for one in results}, scans.missing
 
 

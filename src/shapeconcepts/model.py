@@ -17,6 +17,7 @@ from sklearn.utils.validation import check_is_fitted
 from shapeconcepts.concepts import Concept, ConceptResponse, ConceptTree, Filtration
 from shapeconcepts.concepts.novelty import Novelty
 from shapeconcepts.corrections import Corrections, Journal
+from shapeconcepts.corrections.medoids import Medoids
 from shapeconcepts.descriptors import (
     Descriptor,
     describe_scans,
@@ -282,7 +283,7 @@ class ShapeConceptModel(Corrections, StagesMixin, ClusterMixin, BaseEstimator):
             if concept.key < 0:
                 concept.key, counter[0] = counter[0], counter[0] + 1
         self.n_identities_ = counter[0]
-        self._waiting, self._is_novel, self._likeness = [], [], None
+        self._waiting, self._is_novel, self._likeness, self._medoids = [], [], None, Medoids()
         self._correct()
         return self
 

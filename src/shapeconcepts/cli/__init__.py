@@ -13,6 +13,7 @@ from typer.core import TyperGroup
 from shapeconcepts.cli.doctor_command import doctor
 from shapeconcepts.cli.evaluate_command import evaluate
 from shapeconcepts.cli.explain_command import explain
+from shapeconcepts.cli.explore_command import explore
 from shapeconcepts.cli.export_command import export
 from shapeconcepts.cli.extract_command import extract
 from shapeconcepts.cli.info_command import info
@@ -155,6 +156,13 @@ app.command(
         "shapeconcepts export m.safetensors --rerun scans.rrd --scans scans/"
     )
 )(export)
+app.command(
+    epilog=(
+        "Examples:\n\n"
+        "shapeconcepts explore m.safetensors --scans scans/\n\n"
+        "shapeconcepts explore m.safetensors --scans scans/ --no-browser --port 8000"
+    )
+)(explore)
 app.command()(doctor)
 
 

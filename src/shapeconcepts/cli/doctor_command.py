@@ -104,10 +104,10 @@ def _kernel_folders() -> list[Path]:
 
 
 def _kept() -> Iterator[_Finding]:
-    """Segments and descriptions."""
-    from shapeconcepts.io.array_cache import user_cache_folder
+    """Segments, descriptions, and what the explorer showed."""
+    from shapeconcepts.io.user_cache_folder import user_cache_folder
 
-    for what in ("segments", "descriptions"):
+    for what in ("segments", "descriptions", "explorer"):
         try:
             yield _cache(what, user_cache_folder() / what)
         except OSError as error:

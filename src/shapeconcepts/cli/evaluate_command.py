@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from shapeconcepts.cli.evaluation_tables import print_evaluation
 from shapeconcepts.cli.labelled_input import (
     SegmentedSet,
     data_name,
@@ -168,6 +167,8 @@ def evaluate(
 
         tell_json(plain_values(result))
     else:
+        from shapeconcepts.cli.evaluation_tables import print_evaluation
+
         print_evaluation(result)
     say(f"Measured in {sum(result.seconds.values()):.0f} s")
     for line in failures:

@@ -6,8 +6,6 @@ import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from shapeconcepts.cli.terminal import say
 
 if TYPE_CHECKING:
@@ -105,7 +103,7 @@ def known_scans(model: ShapeConceptModel) -> Known:
 
 def known_as(described: DescribedObject) -> tuple[str, bytes]:
     """By what a model knows an object."""
-    return described.name, described.description.whole().astype(np.float16).tobytes()
+    return described.name, described.description.whole().astype("float16").tobytes()
 
 
 def is_new(described: DescribedObject, known: Known) -> bool:

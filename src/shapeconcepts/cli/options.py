@@ -156,6 +156,9 @@ def read_options(
     up: Literal["x", "y", "z", "-x", "-y", "-z"] | None,
 ) -> ReadOptions:
     """Options for reading scans, checked."""
+    if intrinsics is None and depth_scale is None and units == "auto":
+        # Nothing to check: what takes its time to import is not waited for.
+        return {"intrinsics": None, "depth_scale": None, "mask": mask, "units": "auto", "up": up}
     from shapeconcepts.io.depth_image import check_camera
     from shapeconcepts.sources.frame import METRES_PER_UNIT, metres_per_unit
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.concepts.concept import Concept
-from shapeconcepts.concepts.concepts_of_groups import concepts_of_members
 from shapeconcepts.corrections.edit import NONE
+from shapeconcepts.corrections.medoids import Medoids
 from shapeconcepts.corrections.replay import Corrected
 from shapeconcepts.topology.space import TopologicalSpace
 
@@ -20,6 +20,7 @@ def corrected_concepts(
     learned: Sequence[Concept],
     learned_keys: NDArray[np.int64],
     space: TopologicalSpace,
+    known: Medoids,
 ) -> list[Concept]:
     """Concepts as they are with all edits, the largest first.
 
@@ -34,6 +35,8 @@ def corrected_concepts(
         Key of each scan's learned concept, -1 for none.
     space : TopologicalSpace
         Fitted.
+    known : Medoids
+        Of groups that there were before; those that are found are added.
     """
     of_key = {concept.key: concept for concept in learned}
     order = np.argsort(corrected.keys, kind="stable")
@@ -52,12 +55,7 @@ def corrected_concepts(
         if len(counts):
             main = of_key[int(counts.argmax())]
             birth, death = main.birth, main.death
-        # A place is where a medoid is looked for: scans without one may have been moved here, too.
-        placed = members[space.vertices_[members] >= 0]
-        medoid = int(members[0])
-        if len(placed):
-            lives = np.array([birth]), np.array([death])
-            medoid = concepts_of_members(space, [placed], *lives)[0].medoid
+        medoid = known.of(members, space)
         found.append(Concept(members, medoid, birth, death, name, key))
     # As the learned ones: of equally large ones the one with the smallest vertex first.
     return sorted(found, key=lambda one: (-one.size, int(space.vertices_[one.members].min())))

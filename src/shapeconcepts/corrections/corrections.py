@@ -22,6 +22,7 @@ from shapeconcepts.corrections.edit import NONE, Edit, Link
 from shapeconcepts.corrections.edit_maker import ConceptLike, EditMaker, ScanLike, edit_of_name
 from shapeconcepts.corrections.journal import Journal
 from shapeconcepts.corrections.journal_file import JournalFile
+from shapeconcepts.corrections.medoids import Medoids
 from shapeconcepts.corrections.question import Question, next_question
 from shapeconcepts.corrections.replay import Corrected, contradicted_links, replay
 from shapeconcepts.corrections.scan_references import ScanReferences
@@ -42,8 +43,11 @@ class Corrections(ContinuedLearning):
 
     _journal: Journal = Journal()
     _corrected: Corrected
-    _references: ScanReferences
+    _references = ScanReferences(())
     _likeness: Likeness | None
+    # Of the concepts as they are, once they are asked for.
+    _doubts: NDArray[np.float64] | None
+    _medoids: Medoids
     _contradicted: list[Link]
     _response: Any
     _learned_response: Any
@@ -79,6 +83,14 @@ class Corrections(ContinuedLearning):
     def certain_(self) -> NDArray[np.int64]:
         """Scans of which the user said where they belong, as rows of `labels_`, rising."""
         return np.flatnonzero(self._corrected.is_certain)
+
+    @property
+    def granularity_(self) -> float | None:
+        """At which the concepts were taken last, before what was said of them since; None without a tree."""
+        check_is_fitted(self, "filtration_")
+        recuts = [edit.granularity for edit in self._journal.in_force if edit.kind == "recut"]
+        learned: float | None = getattr(self.filtration_, "granularity_", None)
+        return recuts[-1] if recuts else learned
 
     # What can be said.
 
@@ -211,7 +223,10 @@ class Corrections(ContinuedLearning):
         ValueError
             If `granularity` is not between 0 and 1, there is no tree of concepts, or nothing would change.
         """
-        return self._say(self._maker().recut(self.concepts_at(granularity), granularity))
+        cut = self.concepts_at(granularity)
+        for concept in cut:
+            self._medoids.add(concept)
+        return self._say(self._maker().recut(cut, granularity))
 
     def propagate(self, rate: float = 0.05) -> Edit:
         """Put scans that are in no named concept into those that they can only be in.
@@ -302,12 +317,13 @@ class Corrections(ContinuedLearning):
 
         See `shapeconcepts.corrections.doubt.doubts`.
         """
-        return doubts(self._corrected, self.likeness())
+        if self._doubts is None:
+            self._doubts = doubts(self._corrected, self.likeness())
+        return self._doubts.copy()
 
     def next_question(self) -> Question | None:
         """What to ask the user: the question that decides the most scans, or None."""
-        likeness = self.likeness()
-        return next_question(self.concepts_, self._corrected, likeness, doubts(self._corrected, likeness))
+        return next_question(self.concepts_, self._corrected, self.likeness(), self.doubts())
 
     # The journal beside the model's file.
 
@@ -366,7 +382,8 @@ class Corrections(ContinuedLearning):
         keys = np.array([*(concept.key for concept in learned), NONE], np.int64)[labels]
         names = {concept.key: concept.name for concept in learned}
         next_key = max(self.n_identities_, self._journal.next_key)
-        self._references = ScanReferences(self.scan_names_)
+        if self._references.names is not self.scan_names_:
+            self._references = ScanReferences(self.scan_names_)
         edits = self._journal.in_force
         self._corrected = replay(keys, names, next_key, edits, self._references, self._most_alike)
         self._reserve_identities(self._corrected.next_key)
@@ -375,12 +392,14 @@ class Corrections(ContinuedLearning):
         renamed = {key: name for key, name in self._corrected.names.items() if names.get(key) != name}
         self.concepts_ = learned
         if is_changed or renamed:
-            self.concepts_ = corrected_concepts(self._corrected, learned, keys, self.filtration_.space_)
+            space = self.filtration_.space_
+            self.concepts_ = corrected_concepts(self._corrected, learned, keys, space, self._medoids)
         number_of = {concept.key: number for number, concept in enumerate(self.concepts_)}
         keys_now, where = np.unique(self._corrected.keys, return_inverse=True)
         numbers = np.array([number_of.get(int(key), -1) for key in keys_now], np.int32)
         self.labels_ = numbers[where].astype(np.int32)
         self._response = None if is_changed else self._learned_response
+        self._doubts = None
 
     @property
     def response_(self) -> Any:

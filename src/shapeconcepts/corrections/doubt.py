@@ -37,13 +37,11 @@ def doubts(corrected: Corrected, likeness: Likeness) -> NDArray[np.float64]:
     """
     keys = corrected.keys
     of_neighbours = np.where(likeness.neighbours >= 0, keys[likeness.neighbours], NONE)
-    is_own = of_neighbours == keys[:, None]
-    own = _mean_of_first(likeness.distances, is_own & (of_neighbours != NONE))
-    other = np.full(len(keys), np.inf)
-    for key in np.unique(keys[keys != NONE]):
-        rows = np.flatnonzero(keys != key)
-        to_it = _mean_of_first(likeness.distances[rows], of_neighbours[rows] == key)
-        other[rows] = np.minimum(other[rows], to_it)
+    rows, concepts, means = _means_of_first(likeness.distances, of_neighbours)
+    is_own = concepts == keys[rows]
+    own, other = np.full(len(keys), np.inf), np.full(len(keys), np.inf)
+    own[rows[is_own]] = means[is_own]
+    np.minimum.at(other, rows[~is_own], means[~is_own])
     with np.errstate(invalid="ignore"):
         found = own / np.maximum(own + other, 1e-12)
     found[np.isinf(own)] = 1.0
@@ -105,10 +103,23 @@ def _first(distances: NDArray[np.float64], is_there: NDArray[np.bool_]) -> NDArr
     return np.where(is_there[rows, at], distances[rows, at], np.inf)
 
 
-def _mean_of_first(distances: NDArray[np.float64], is_there: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Mean of the first few distances of each row that are there; infinite where none is."""
-    counts = np.cumsum(is_there, axis=1)
-    taken = is_there & (counts <= _SEVERAL)
-    n_taken = taken.sum(axis=1)
-    sums = np.where(taken, distances, 0.0).sum(axis=1)
-    return np.where(n_taken > 0, sums / np.maximum(n_taken, 1), np.inf)
+def _means_of_first(
+    distances: NDArray[np.float64], keys: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+    """Mean of the first few distances of each row to each concept in it: row, key and mean of each."""
+    n, k = keys.shape
+    if k == 0:
+        return np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0)
+    order = np.argsort(keys, axis=1, kind="stable")
+    keys, distances = np.take_along_axis(keys, order, axis=1), np.take_along_axis(distances, order, axis=1)
+    begins = np.ones((n, k), bool)
+    begins[:, 1:] = keys[:, 1:] != keys[:, :-1]
+    column = np.arange(k)
+    rank = column - np.maximum.accumulate(np.where(begins, column, 0), axis=1)
+    is_taken = (rank < _SEVERAL).ravel()
+    group = np.cumsum(begins.ravel()) - 1
+    sums = np.bincount(group[is_taken], distances.ravel()[is_taken])
+    means = sums / np.bincount(group[is_taken])
+    rows, found = np.repeat(np.arange(n), k)[begins.ravel()], keys.ravel()[begins.ravel()]
+    is_concept = found != NONE
+    return rows[is_concept], found[is_concept], means[is_concept]

@@ -70,6 +70,8 @@ class Edit:
         As `Link`.
     of : int
         The edit that is undone or done again; 0 otherwise.
+    granularity : float
+        At which the concepts were taken; 0 where they were not.
     is_undone : bool
     unfit : str
         Why it no longer fits the model, in part or as a whole; empty where it does.
@@ -85,6 +87,7 @@ class Edit:
     names: tuple[tuple[int, str], ...] = ()
     linked: tuple[tuple[ScanReference, ScanReference, bool], ...] = ()
     of: int = 0
+    granularity: float = 0.0
     is_undone: bool = False
     unfit: str = ""
 
@@ -113,7 +116,19 @@ class Edit:
         return edit
 
 
-_STORED = ("number", "kind", "text", "keys", "groups", "made", "next_key", "names", "linked", "of")
+_STORED = (
+    "number",
+    "kind",
+    "text",
+    "keys",
+    "groups",
+    "made",
+    "next_key",
+    "names",
+    "linked",
+    "of",
+    "granularity",
+)
 _REQUIRED = {"number", "kind", "text"}
 
 
@@ -127,6 +142,8 @@ def _check(edit: Edit) -> None:
     require(isinstance(edit.text, str), f"must have a text, got {edit.text!r:.40}")
     require(_is_whole(edit.of, 0), f"must name the edit that is undone, got {edit.of!r:.40}")
     require(_is_whole(edit.next_key, 0), f"must have a key as next_key, got {edit.next_key!r:.40}")
+    is_share = type(edit.granularity) in (int, float) and 0 <= edit.granularity <= 1
+    require(is_share, f"must have a granularity from 0 to 1, got {edit.granularity!r:.40}")
     for name in ("keys", "made"):
         keys = getattr(edit, name)
         are_keys = isinstance(keys, tuple) and all(_is_whole(key, 0) for key in keys)

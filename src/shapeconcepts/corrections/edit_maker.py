@@ -168,6 +168,7 @@ class EditMaker:
             tuple(key for key in touched if key in number_of),
             self._groups({key: rows for key, rows in members.items() if len(rows)}),
             made=tuple(key for key in found.keys if key >= self.new_key),
+            granularity=float(granularity),
             next_key=self.new_key,
         )
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from shapeconcepts.corrections.edit import Edit
 from shapeconcepts.corrections.journal import Journal
+from shapeconcepts.interruption import unfinished
 from shapeconcepts.io.atomic_write import write_atomically
 from shapeconcepts.model_file.error import ModelError, require
 
@@ -125,9 +126,12 @@ class JournalFile:
                 if not path.exists() or not os.path.samestat(os.fstat(file.fileno()), path.stat()):
                     continue
                 try:
+                    # A signal that ends the process leaves no file behind either.
+                    unfinished.add(path)
                     yield
                 finally:
                     path.unlink(missing_ok=True)
+                    unfinished.discard(path)
                 return
 
     def _parsed(self) -> tuple[Journal, int]:

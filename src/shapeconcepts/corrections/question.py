@@ -15,7 +15,7 @@ from shapeconcepts.corrections.replay import Corrected
 # As many as can be taken in at a glance.
 MOST_SHOWN = 24
 # A scan is asked for if another concept is at most three times as far as its own.
-_DOUBTFUL = 1 / 4
+DOUBTFUL = 1 / 4
 # Whoever is among so many most alike scans of another one tells something of it.
 _ALIKE = 3
 
@@ -63,7 +63,7 @@ def next_question(
         if not concept.name
     ]
     named = [concept.key for concept in concepts if concept.name]
-    is_asked = (doubts >= _DOUBTFUL) & (np.isin(corrected.keys, named) | (corrected.keys == NONE))
+    is_asked = (doubts >= DOUBTFUL) & (np.isin(corrected.keys, named) | (corrected.keys == NONE))
     doubtful = np.flatnonzero(is_asked)
     if len(doubtful) and (named or not concepts):
         shown = doubtful[np.argsort(-doubts[doubtful], kind="stable")][:MOST_SHOWN]

@@ -20,10 +20,14 @@ class ScanReferences:
     ----------
     names : sequence of str
         Of the scans of a model.
+
+    Attributes
+    ----------
+    names : sequence of str
     """
 
     def __init__(self, names: Sequence[str]) -> None:
-        self._names = names
+        self.names = names
         self._rows: dict[str, list[int]] = defaultdict(list)
         self._places: list[int] = []
         for row, name in enumerate(names):
@@ -53,7 +57,7 @@ class ScanReferences:
         return rows[0]
 
     def _of(self, row: int) -> ScanReference:
-        name = self._names[row]
+        name = self.names[row]
         return name if len(self._rows[name]) == 1 else (name, self._places[row])
 
     def _row(self, reference: ScanReference) -> int:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
+from collections import OrderedDict, defaultdict, deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from threading import Lock
 from typing import NamedTuple, Protocol
 
 from shapeconcepts.scan import Scan, ScanError, scan_errors
@@ -13,6 +14,9 @@ from shapeconcepts.sources.collection import ScanFile, iter_scans
 from shapeconcepts.sources.file_objects import objects_of_file
 from shapeconcepts.sources.mesh_views import mesh_and_count, views_of_file
 from shapeconcepts.sources.reader import ReadOptions
+
+# Files whose parts are remembered: whoever reads one object of a scene, or view of a mesh, soon reads others.
+_FILES_REMEMBERED = 4
 
 
 class FoundScan(NamedTuple):
@@ -60,6 +64,13 @@ class _Wanted(NamedTuple):
     view_counts: tuple[int, ...]
 
 
+class _Holders(NamedTuple):
+    """Files that may hold a scan, and how many of the same name in them come before it."""
+
+    files: list[_Wanted]
+    turn: int
+
+
 class ScansInFiles:
     """Those that lie in files.
 
@@ -83,15 +94,17 @@ class ScansInFiles:
     ) -> None:
         self._names, self._rows, self._reading = names, sorted(wanted), reading
         self._wanted = _what_is_wanted({names[row] for row in self._rows}, files)
-        places: dict[str, list[Path]] = defaultdict(list)
-        scenes: dict[str, list[Path]] = defaultdict(list)
+        places: dict[str, list[_Wanted]] = defaultdict(list)
+        scenes: dict[str, list[_Wanted]] = defaultdict(list)
         for one in self._wanted:
             for name in filter(None, (one.whole, one.mesh if one.view_counts else None)):
-                places[name].append(one.file.path)
+                places[name].append(one)
             if one.scene:
-                scenes[one.file.path.stem].append(one.file.path)
+                scenes[one.file.path.stem].append(one)
         self.missing: list[int] = []
-        self._path_of: dict[int, Path | None] = {}
+        self._holders: dict[int, _Holders] = {}
+        self._remembered: OrderedDict[Path, tuple[list[Scan], dict[str, str]]] = OrderedDict()
+        self._lock = Lock()
         seen: dict[str, int] = defaultdict(int)
         for row in self._rows:
             name = names[row]
@@ -99,10 +112,10 @@ class ScansInFiles:
             whole = places.get(name) or (places.get(view[0]) if view else None)
             in_scene = scenes.get(name.rpartition("/")[0], [])
             if whole and seen[name] < len(whole):
-                self._path_of[row] = whole[seen[name]]
+                self._holders[row] = _Holders([whole[seen[name]]], 0)
             elif in_scene and not whole:
                 # Which one of several holds it is only known when they are read.
-                self._path_of[row] = in_scene[0] if len(in_scene) == 1 else None
+                self._holders[row] = _Holders(in_scene, seen[name])
             else:
                 self.missing.append(row)
             seen[name] += 1
@@ -112,11 +125,27 @@ class ScansInFiles:
         return [one.file.path for one in self._wanted]
 
     def path_of(self, index: int) -> Path | None:
-        return self._path_of.get(index)
+        holders = self._holders.get(index)
+        return holders.files[0].file.path if holders and len(holders.files) == 1 else None
+
+    def read_one(self, row: int) -> FoundScan | UnusableScan:
+        """One scan alone, as `read` gives it; may be called by several threads.
+
+        Raises
+        ------
+        KeyError
+            If it is missing.
+        """
+        name, (files, turn) = self._names[row], self._holders[row]
+        if files[0].whole == name:
+            return self._whole(files[0].file, row)
+        reasons: dict[str, str] = {}
+        same = [scan for one in files for scan in self._parts_remembered(one, reasons) if scan.name == name]
+        return FoundScan(row, same[turn], None) if turn < len(same) else self._lacking(row, reasons)
 
     def read(self) -> Iterator[FoundScan | UnusableScan]:
         pending: dict[str, deque[int]] = defaultdict(deque)
-        for row in self._path_of:
+        for row in self._holders:
             pending[self._names[row]].append(row)
         reasons: dict[str, str] = {}
         for one in self._wanted:
@@ -126,12 +155,16 @@ class ScansInFiles:
             for scan in self._parts(one, reasons):
                 if pending[scan.name]:
                     yield FoundScan(pending[scan.name].popleft(), scan, None)
-        for row in self._path_of:
-            name = self._names[row]
-            if row in pending[name]:
-                holder = name.rpartition("/")[0]
-                lacking = f"{holder}: does not hold {name}, which the model was learned from"
-                yield UnusableScan(row, reasons.get(holder, lacking))
+        for row in self._holders:
+            if row in pending[self._names[row]]:
+                yield self._lacking(row, reasons)
+
+    def _lacking(self, row: int, reasons: dict[str, str]) -> UnusableScan:
+        """A part that its file does not hold, or cannot be read from it."""
+        name = self._names[row]
+        holder = name.rpartition("/")[0]
+        lacking = f"{holder}: does not hold {name}, which the model was learned from"
+        return UnusableScan(row, reasons.get(holder, lacking))
 
     def _whole(self, file: ScanFile, row: int) -> FoundScan | UnusableScan:
         try:
@@ -142,6 +175,20 @@ class ScansInFiles:
         if isinstance(scan, ScanError):
             return UnusableScan(row, str(scan))
         return FoundScan(row, replace(scan, name=self._names[row]), file.path)
+
+    def _parts_remembered(self, one: _Wanted, reasons: dict[str, str]) -> list[Scan]:
+        path = one.file.path
+        # Threads that want parts of one file wait for the first of them.
+        with self._lock:
+            if path not in self._remembered:
+                found: dict[str, str] = {}
+                self._remembered[path] = list(self._parts(one, found)), found
+            self._remembered.move_to_end(path)
+            parts, found = self._remembered[path]
+            if len(self._remembered) > _FILES_REMEMBERED:
+                self._remembered.popitem(last=False)
+        reasons |= found
+        return parts
 
     def _parts(self, one: _Wanted, reasons: dict[str, str]) -> Iterator[Scan]:
         """Objects of a scene, and views of a mesh, as they are called in the model."""

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from platformdirs import user_cache_path
 
 from shapeconcepts.io.atomic_write import write_atomically
 from shapeconcepts.io.regular_file import read_regular_file
@@ -89,24 +88,6 @@ class ArrayCache:
 
     def _path(self, key: str) -> Path:
         return self.folder / key[:2] / f"{key}.{self.folder.name}"
-
-
-def user_cache_folder() -> Path:
-    """Where the operating system wants a user's caches, with a folder for this package.
-
-    Raises
-    ------
-    OSError
-        If the user has no home folder.
-    """
-    try:
-        folder = user_cache_path("shapeconcepts", appauthor=False, opinion=False)
-    except RuntimeError as error:
-        raise OSError(str(error)) from None
-    # Before platformdirs 4.12, a home that is not known stays "~", and a relative XDG_CACHE_HOME is taken.
-    if not folder.is_absolute():
-        raise OSError(f"the user's cache folder cannot be told: {folder} is relative")
-    return folder
 
 
 def code_fingerprint(sources: Iterable[str]) -> str:

@@ -26,7 +26,7 @@ SEGMENT_COLOURS: NDArray[np.uint8] = np.array(
 )
 
 # Okabe and Ito's, and what lies farthest from those in CIELAB under normal and simulated red- and green-blind
-# vision. The page of a model (html/templates/state.js) has the same.
+# vision. Pages (html_page/templates/colours.js) have the same.
 LABEL_COLOURS: NDArray[np.uint8] = np.array(
     [
         (0x00, 0x72, 0xB2),
@@ -83,3 +83,9 @@ def colours_of(
         NO_SEGMENT_COLOUR,
         colours[np.maximum(labels, 0) % len(colours)],
     )
+
+
+def hexadecimal_segment_colours() -> list[str]:
+    """Colours of segments as a page takes them, and last that of what is in none."""
+    colours = [*SEGMENT_COLOURS.tolist(), np.asarray(NO_SEGMENT_COLOUR).tolist()]
+    return ["#" + "".join(f"{channel:02x}" for channel in colour) for colour in colours]

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.io.array_cache import ArrayCache, code_fingerprint, user_cache_folder
+from shapeconcepts.io.array_cache import ArrayCache, code_fingerprint
+from shapeconcepts.io.user_cache_folder import user_cache_folder
 from shapeconcepts.segmentation.segmented_object import SegmentedObject
 
 # What a segmented object depends on, apart from the scan and the parameters.

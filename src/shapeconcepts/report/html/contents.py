@@ -20,7 +20,7 @@ from shapeconcepts.report.html.scan_preview import ScanPreview
 from shapeconcepts.report.html.shown_scans import ShownScans, between_concepts, shown_scans
 from shapeconcepts.report.html.time_scale import TimeScale, annexation_counts
 from shapeconcepts.report.html.tree_layout import lay_out_tree
-from shapeconcepts.report.palette import NO_SEGMENT_COLOUR, SEGMENT_COLOURS
+from shapeconcepts.report.palette import hexadecimal_segment_colours
 from shapeconcepts.topology.annexation_kernels import annex
 from shapeconcepts.topology.divergence import jensen_shannon_divergences
 from shapeconcepts.version import __version__
@@ -49,7 +49,7 @@ def report_contents(
         "version": __version__,
         "reading": [[option, text] for option, text in reading.items()],
         "parameters": [[name, _shown(value)] for name, value in _parameters(model)],
-        "segmentColours": [_hexadecimal(c) for c in [*SEGMENT_COLOURS, NO_SEGMENT_COLOUR]],
+        "segmentColours": hexadecimal_segment_colours(),
         "labels": labels,
         "scans": _scans(model, shown, previews, labels),
         "counts": _counts(model),
@@ -215,7 +215,3 @@ def _shown(value: object) -> str:
 
 def _rounded(values: NDArray[np.float64] | float) -> Any:
     return np.round(values, 4).tolist()
-
-
-def _hexadecimal(colour: NDArray[np.uint8]) -> str:
-    return "#" + "".join(f"{int(channel):02x}" for channel in colour)

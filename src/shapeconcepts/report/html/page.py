@@ -2,37 +2,29 @@
 
 from __future__ import annotations
 
-import base64
-import hashlib
 import html
-import json
 from collections.abc import Mapping, Sequence
-from importlib.resources import files
 from os import PathLike
 from pathlib import Path
-from string import Template
 from typing import Any
 
+from shapeconcepts.html_page import (
+    DRAWING,
+    FIGURES,
+    PageParts,
+    closed_script,
+    embedded_json,
+    shared_scripts,
+    shared_style,
+    template,
+)
 from shapeconcepts.io.atomic_write import write_atomically
 from shapeconcepts.model import ShapeConceptModel
-from shapeconcepts.printable import markup_bytes
 from shapeconcepts.report.html.contents import report_contents
 from shapeconcepts.report.html.scan_preview import ScanPreview
 
-# One script: each file may use what those before it define.
-_SCRIPTS = (
-    "state",
-    "scan_view",
-    "viewer",
-    "dot_map",
-    "maps",
-    "timeline",
-    "granularity",
-    "glance",
-    "galleries",
-    "history",
-    "page",
-)
+_PACKAGE = "shapeconcepts.report.html"
+_SCRIPTS = ("report_scans", "viewer", "glance", "galleries", "history", "page")
 
 
 def write_report(
@@ -82,27 +74,12 @@ def write_report(
 
 
 def _document(contents: dict[str, Any], title: str) -> bytes:
-    templates = files("shapeconcepts.report.html") / "templates"
-    style = (templates / "page.css").read_text("utf-8")
-    parts = [(templates / f"{name}.js").read_text("utf-8") for name in _SCRIPTS]
-    script = '"use strict";\n(() => {\n' + "\n".join(parts) + "\n})();\n"
-    page = Template((templates / "page.html").read_text("utf-8")).substitute(
-        title=html.escape(title),
-        style=style,
-        script=script,
-        # Nothing that a file's name might smuggle in is ever run, and nothing is ever fetched.
-        policy=f"default-src 'none'; img-src data:; style-src {_hash(style)}; script-src {_hash(script)}",
-        contents=embedded_json(contents),
+    own = [template(_PACKAGE, f"{name}.js") for name in _SCRIPTS]
+    parts = PageParts(
+        template(_PACKAGE, "page.html"),
+        shared_style() + template(_PACKAGE, "page.css"),
+        closed_script(
+            [template(_PACKAGE, "embedded_contents.js"), *shared_scripts((*DRAWING, *FIGURES)), *own]
+        ),
     )
-    return markup_bytes(page)
-
-
-def embedded_json(value: object) -> str:
-    """JSON in ASCII that cannot end the script element that it stands in."""
-    text = json.dumps(value, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
-    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
-
-
-def _hash(content: str) -> str:
-    digest = base64.b64encode(hashlib.sha256(content.encode("utf-8")).digest()).decode("ascii")
-    return f"'sha256-{digest}'"
+    return parts.page(title=html.escape(title), policy=parts.policy, contents=embedded_json(contents))

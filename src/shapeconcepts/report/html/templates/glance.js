@@ -52,11 +52,6 @@ function rankedBars() {
         + "No scan has a label, so concepts are ranked by size × lifetime." }));
 }
 
-function legend(entries, text = "") {
-  return element("p", { className: "legend" }, text, ...entries.map(([colour, text]) => element("span", {},
-    element("span", { className: "key", style: { background: colour } }), oneLine(text))));
-}
-
 function fillGlance(section) {
   if (concepts.length === 0) {
     section.append(element("h2", { textContent: "No concepts this time" }), element("p", { textContent:

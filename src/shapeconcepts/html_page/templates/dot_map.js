@@ -36,9 +36,8 @@ class DotMap {
     canvas.addEventListener("pointerleave", () => { showTip(null); change({ hovered: null }); });
     canvas.addEventListener("click", (event) => {
       const vertex = this.point(event);
-      const rank = vertex === null ? -1 : rankOfVertex[vertex];
-      if (rank < 0) change({ selected: null });
-      else toggle(rank);
+      if (vertex === null) change({ selected: null });
+      else choosePlace(canvas, vertex);
       // A finger does not hover.
       if (event.pointerType !== "mouse") change({ hovered: null });
     });
@@ -78,10 +77,10 @@ class DotMap {
     // Of thousands, fans of lines would be solid walls.
     context.globalAlpha = areThousands ? 1000 / nVertices : 1;
     context.lineWidth = 1;
-    context.strokeStyle = FAINT;
+    context.strokeStyle = theme.faint;
     stroke(context, this.pairs.slice(nJoined), this.at);
     context.lineWidth = dot > 4.5 ? 1.6 : 0.8;
-    context.strokeStyle = chosen !== null ? "#b3b7c0" : dot > 4.5 ? "#6b7280" : "#8a90a0";
+    context.strokeStyle = chosen !== null ? theme.future : dot > 4.5 ? theme.joined : theme.joined;
     stroke(context, this.pairs.slice(0, nJoined), this.at);
     context.globalAlpha = 1;
     this.drawDots(context, chosen, dot);
@@ -109,16 +108,22 @@ class DotMap {
       context.fillStyle = vertexColour(vertex);
       context.fill();
       context.lineWidth = isChosen ? 1.2 : 0.7;
-      context.strokeStyle = isChosen ? INK : "#fff";
+      context.strokeStyle = isChosen ? theme.ink : theme.card;
       context.stroke();
     }
     context.globalAlpha = 1;
+    if (state.marked === null) return;
+    context.beginPath();
+    context.arc(...this.at(state.marked), 2.4 * dot + 3, 0, 2 * Math.PI);
+    context.lineWidth = 3;
+    context.strokeStyle = theme.accent;
+    context.stroke();
   }
 
   // A bar across each line that never joins.
   drawWalls(context, dot) {
     context.lineWidth = 2;
-    context.strokeStyle = ACCENT;
+    context.strokeStyle = theme.accent;
     context.beginPath();
     for (const [a, b] of this.walls) {
       const [[ax, ay], [bx, by]] = [this.at(a), this.at(b)];
@@ -142,9 +147,9 @@ class DotMap {
       if (taken.some(([tx, ty]) => Math.abs(tx - x) < 18 && Math.abs(ty - y) < 13)) return;
       taken.push([x, y]);
       context.lineWidth = 4;
-      context.strokeStyle = "#ffffffe6";
+      context.strokeStyle = theme.card;
       context.strokeText(concept.number, x, y - 12);
-      context.fillStyle = INK;
+      context.fillStyle = theme.ink;
       context.fillText(concept.number, x, y - 12);
     });
   }

@@ -24,15 +24,16 @@ function timelineFigure() {
     const share = (event.offsetY - CURVE - GAP) / barHeight();
     return share >= 0 && share < 1 ? byDeath[rowAt(share)] : null;
   };
-  let isPulling = false;
+  // A bar that is pressed and let go of is chosen; pulled aside, it is the time that is pulled.
+  let isPulling = false, pressed = null;
+  const pull = (event) => { isPulling = true; pressed = null; change({ time: pulledTo(event), hovered: null }); showTip(null); };
   canvas.addEventListener("pointerdown", (event) => {
-    isPulling = true;
     canvas.setPointerCapture(event.pointerId);
-    change({ time: pulledTo(event), hovered: null });
-    showTip(null);
+    const vertex = barAt(event);
+    if (vertex === null) pull(event); else pressed = { vertex, x: event.offsetX };
   });
   canvas.addEventListener("pointermove", (event) => {
-    if (isPulling) { change({ time: pulledTo(event) }); return; }
+    if (isPulling || (pressed !== null && Math.abs(event.offsetX - pressed.x) > 4)) { pull(event); return; }
     const vertex = barAt(event);
     if (vertex === null) showTip(null);
     else {
@@ -41,8 +42,8 @@ function timelineFigure() {
     }
     change({ hovered: vertex === null || rankOfVertex[vertex] < 0 ? null : rankOfVertex[vertex] });
   });
-  const release = () => { isPulling = false; };
-  canvas.addEventListener("pointerup", release);
+  const release = () => { isPulling = false; pressed = null; };
+  canvas.addEventListener("pointerup", () => { if (pressed !== null) choosePlace(canvas, pressed.vertex); release(); });
   canvas.addEventListener("pointercancel", release);
   canvas.addEventListener("pointerleave", () => { showTip(null); change({ hovered: null }); });
   return element("figure", {}, element("h3", { textContent: "Annexations over time, and the barcode" }), canvas,
@@ -76,7 +77,7 @@ function drawTimeline(canvas) {
   context.textBaseline = "middle";
   drawCurve(context, x);
   drawBars(context, x, top, barHeight());
-  context.fillStyle = "#5b6070";
+  context.fillStyle = theme.quiet;
   context.textAlign = "center";
   for (const [time, text] of ticks(44 / (width - LEFT - RIGHT))) {
     context.fillText(text, x(time), top + barHeight() + 14);
@@ -106,17 +107,17 @@ function drawCurve(context, x) {
   filtration.stepEnds.forEach((end, i) => {
     const start = i === 0 ? 0 : filtration.stepEnds[i - 1];
     const isPeak = isBusiest && filtration.conceptTime !== null && Math.abs(end - filtration.conceptTime) < 1e-9;
-    context.fillStyle = isPeak ? ACCENT : start < state.time - 1e-9 ? "#7d8db0" : "#d3d7e0";
+    context.fillStyle = isPeak ? theme.accent : start < state.time - 1e-9 ? theme.past : theme.future;
     const left = x(start), right = x(end);
     context.fillRect(left, y(filtration.stepCounts[i]), Math.max(right - left - (right - left > 4 ? 1 : 0), 0.7), CURVE - y(filtration.stepCounts[i]));
   });
-  context.strokeStyle = "#c9cbd1";
+  context.strokeStyle = theme.future;
   context.lineWidth = 1;
   context.beginPath();
   context.moveTo(x(0), CURVE + 0.5);
   context.lineTo(x(1), CURVE + 0.5);
   context.stroke();
-  context.fillStyle = ACCENT;
+  context.fillStyle = theme.accent;
   for (const time of filtration.timesBetween) {
     context.beginPath();
     context.moveTo(x(time), CURVE - 1);
@@ -124,7 +125,7 @@ function drawCurve(context, x) {
     context.lineTo(x(time) + 4, CURVE + 7);
     context.fill();
   }
-  context.fillStyle = "#5b6070";
+  context.fillStyle = theme.quiet;
   context.textAlign = "right";
   context.fillText(most < 1e5 ? WHOLE.format(most) : `${WHOLE.format(most / 1000)} k`, LEFT - 6, y(most));
   context.fillText("0", LEFT - 6, CURVE);
@@ -153,18 +154,20 @@ function drawBars(context, x, top, height) {
     bar(vertex, 0.35);
   }
   context.globalAlpha = 1;
-  if (chosen === null) return;
-  for (const vertex of byDeath) {
+  for (const vertex of chosen === null ? [] : byDeath) {
     if (rankOfVertex[vertex] !== chosen) continue;
     context.fillStyle = vertexColour(vertex);
     bar(vertex, 1.6);
   }
+  if (state.marked === null) return;
+  context.fillStyle = theme.accent;
+  bar(state.marked, 3);
 }
 
 function drawCursor(context, x, top) {
   const line = (time, dashes, thick, note) => {
     context.setLineDash(dashes);
-    context.strokeStyle = context.fillStyle = ACCENT;
+    context.strokeStyle = context.fillStyle = theme.accent;
     context.lineWidth = thick;
     context.beginPath();
     context.moveTo(x(time), 14);
@@ -183,6 +186,6 @@ function drawCursor(context, x, top) {
   }
   context.beginPath();
   context.arc(x(state.time), CURVE + GAP / 2, 7, 0, 2 * Math.PI);
-  context.fillStyle = ACCENT;
+  context.fillStyle = theme.accent;
   context.fill();
 }

@@ -54,16 +54,16 @@ function graphFigure() {
     context.font = "11px system-ui, sans-serif";
     for (const [time, text] of isOdds ? [[0, "time 0"], ...ticks(0.13).filter(([at]) => position(at) > 0.08)] : [[0, "time 0"], [0.25, "0.25"], [0.5, "0.5"], [0.75, "0.75"]]) {
       if (time === 1) continue;
-      ring(time, "#eceae4", 1);
-      context.fillStyle = "#8b8f99";
+      ring(time, theme.ring, 1);
+      context.fillStyle = theme.quiet;
       context.fillText(text, cx, cy + r * radius(time) + 8);
     }
     if (isBusiest && filtration.conceptTime !== null) {
       context.setLineDash([5, 5]);
-      ring(filtration.conceptTime, ACCENT, 1.2);
+      ring(filtration.conceptTime, theme.accent, 1.2);
       context.setLineDash([]);
     }
-    ring(state.time, ACCENT, 2.2);
+    ring(state.time, theme.accent, 2.2);
   };
   return mapFigure("The filtration graph F: who annexed whom",
     "The same dots, now by the time at which each was annexed: early at the rim, late towards the middle, where "

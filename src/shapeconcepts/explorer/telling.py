@@ -1,0 +1,176 @@
+"""What is told of a session: documents made once for each version, and what was told the last time."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from shapeconcepts.explorer.file_status import file_status
+from shapeconcepts.explorer.previews import N_ELEMENTS, Previews, pack
+from shapeconcepts.explorer.remembered import Remembered
+
+if TYPE_CHECKING:
+    from shapeconcepts.explorer.session import Session
+
+
+class Telling:
+    """Tells of a model what its page shows.
+
+    What was told of the same files the last time is told again at once, while the model is still being read.
+
+    Parameters
+    ----------
+    session : Session
+    remember : bool
+        Whether to keep it for the next time, in the user's cache.
+
+    Attributes
+    ----------
+    previews : Previews
+    """
+
+    def __init__(self, session: Session, *, remember: bool = True) -> None:
+        self.session, self.previews = session, Previews(self._packed_preview)
+        self._made: dict[str, tuple[str, bytes]] = {}
+        self._recalled: dict[str, bytes] = {}
+        self._recalled_of = self._kept_of = ""
+        self._remembered = Remembered(_subject(session)) if remember else None
+        if self._remembered is not None:
+            found = {
+                name: self._remembered.document(name, self._files) for name in ("model", "state", "n_scans")
+            }
+            if all(found.values()):
+                self._recalled = {name: content for name, content in found.items() if content}
+                self._recalled_of = self._files
+
+    @property
+    def is_there(self) -> bool:
+        """Whether there is anything to tell."""
+        return self.session.is_read or bool(self._recalled)
+
+    @property
+    def n_scans(self) -> int:
+        """Number of scans of the model."""
+        recalled = None if self.session.is_read else self._recalled.get("n_scans")
+        return int(recalled) if recalled else len(self.session.shown.scan_names_)
+
+    def model_json(self) -> bytes:
+        """What stays the same until the model's file changes."""
+        session, status = self.session, self.session.model_status
+
+        def document() -> dict[str, Any]:
+            from shapeconcepts.explorer.model_document import model_document
+
+            about = model_document(session.shown, session.path.name, bool(session.places), session.reading)
+            return {**about, "modelVersion": status}
+
+        if not session.is_read and "model" in self._recalled:
+            return self._recalled["model"]
+        return self._made_once("model", status, document)
+
+    def state_json(self) -> bytes:
+        """What edits change."""
+        # What comes while it is made makes a version of its own.
+        version = self.session.changes.version
+        return b'{"version":%d,%b' % (version, self._state(version)[1:])
+
+    def figures_json(self) -> bytes:
+        """What the figures of a report show."""
+        from shapeconcepts.report.html.contents import report_contents
+
+        version, model = self.session.changes.version, self.session.shown
+        previews = [None] * len(model.scan_names_)
+        title = self.session.path.name
+        return self._made_once(
+            "figures", str(version), lambda: report_contents(model, previews, (), title, {})
+        )
+
+    def scan(self, row: int) -> dict[str, Any]:
+        """What there is to say of one scan."""
+        from shapeconcepts.explorer.scan_document import scan_document
+        from shapeconcepts.scan import ScanError
+
+        reason, segmented = "", None
+        try:
+            segmented = self.session.segmented(row)
+        except ScanError as error:
+            reason = str(error)
+        return scan_document(self.session.shown, row, segmented, reason, self.session.path_of(row))
+
+    def remember(self) -> None:
+        """Keep what is told now for the next time."""
+        if self._remembered is None or not self.session.is_likeness_known or self._kept_of == self._latest:
+            return
+        files, latest = self._files, self._latest
+        state, model = self._state(self.session.changes.version), self.model_json()
+        # Unless something came in between, which is kept the next time.
+        if (files, latest) == (self._files, self._latest):
+            for name, content in (("model", model), ("state", state), ("n_scans", b"%d" % self.n_scans)):
+                self._remembered.keep_document(name, files, content)
+            self._kept_of = latest
+
+    def close(self) -> None:
+        """Make nothing more."""
+        self.previews.close()
+        if self._remembered is not None:
+            self._remembered.close()
+
+    @property
+    def _files(self) -> str:
+        return f"{self.session.model_status} {self.session.journal_status}"
+
+    @property
+    def _latest(self) -> str:
+        return f"{self._files} {self.session.changes.version}"
+
+    def _state(self, version: int) -> bytes:
+        session = self.session
+        recalled = self._recalled.get("state")
+        # It has doubts and names already, which take their time.
+        if recalled and self._files == self._recalled_of and not session.is_likeness_known:
+            return recalled
+
+        def document() -> dict[str, Any]:
+            from shapeconcepts.explorer.state_document import state_document
+
+            state = state_document(session.shown, session.suggested, session.is_likeness_known)
+            return {**state, "modelVersion": session.model_status, "trouble": session.trouble}
+
+        return self._made_once("state", str(version), document)
+
+    def _packed_preview(self, row: int) -> bytes:
+        of = self.session.model_status
+        if self._remembered is not None and (kept := self._remembered.preview(row, of)):
+            return kept
+        path = self.session.path_of(row)
+        status = "" if path is None else file_status(path)
+        packed = self._new_preview(row)
+        if self._remembered is not None and path is not None and status and packed is not None:
+            self._remembered.keep_preview(row, of, path, status, packed)
+        return packed or pack(row, None)
+
+    def _new_preview(self, row: int) -> bytes | None:
+        from shapeconcepts.report.html import preview
+        from shapeconcepts.scan import ScanError, scan_errors
+
+        try:
+            with scan_errors(f"scan {row}", "drawn"):
+                return pack(row, preview(self.session.segmented(row), N_ELEMENTS))
+        except ScanError:
+            # Why there is none is said where the one scan is asked for.
+            return None
+
+    def _made_once(self, name: str, version: str, document: Callable[[], Mapping[str, Any]]) -> bytes:
+        """A document of a version, made when it is first asked for."""
+        made_version, content = self._made.get(name, ("", b""))
+        if made_version != version or not content:
+            content = json.dumps(document(), allow_nan=False, separators=(",", ":")).encode("ascii")
+            self._made[name] = version, content
+        return content
+
+
+def _subject(session: Session) -> list[str]:
+    """What a model is remembered by."""
+    places = [str(place.resolve()) for place in session.places]
+    return [str(session.path.resolve()), *places, repr(sorted(session.reading.items()))]

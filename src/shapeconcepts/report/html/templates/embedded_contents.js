@@ -1,0 +1,2 @@
+// What the page is made of.
+const contents = JSON.parse(document.getElementById("contents").textContent);
