@@ -40,7 +40,8 @@ class Window:
 
     def open(self) -> "Window":
         self.page.goto(self.address)
-        self.page.wait_for_selector("html[data-ready]", state="attached")
+        # The first one waits until the model is read.
+        self.page.wait_for_selector("html[data-ready]", state="attached", timeout=60_000)
         return self
 
     def press(self, *keys: str) -> None:

@@ -53,6 +53,7 @@ def window(browser, address) -> Iterator[Window]:
         window.edit(kind="undo")
     window.made(0)
     yield window
+    window.page.unroute_all(behavior="ignoreErrors")
     window.close()
 
 
@@ -164,7 +165,7 @@ def test_every_edit_by_keyboard_alone(window):
                 break
             in_list = page.evaluate("document.activeElement.matches('#left a')")
             press("ArrowDown" if in_list else "Shift+Tab")
-            if in_list and page.evaluate("document.activeElement.matches('#left li:last-child a')"):
+            if in_list and page.evaluate("document.activeElement.matches('#left .concepts li:last-child a')"):
                 press(*["ArrowUp"] * 40)
         press("Enter")
         page.wait_for_function("key => location.hash === `#concept/${key}`", arg=key)
