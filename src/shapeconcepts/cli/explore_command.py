@@ -94,8 +94,9 @@ def explore(
     say_when_interrupted("")
     # Until a signal ends the process: each edit is on the disk as soon as it is made.
     while session.wait():
-        session.keep_up()
+        # First: to find out what is alike takes its time.
         telling.remember()
+        session.keep_up()
 
 
 def _open(session: Session) -> None:

@@ -111,7 +111,7 @@ class Telling:
 
     def remember(self) -> None:
         """Keep what is told now for the next time."""
-        if self._remembered is None or not self.session.is_likeness_known or self._kept_of == self._latest:
+        if self._remembered is None or self._kept_of == self._latest:
             return
         files, latest = self._files, self._latest
         state, model = self._state(self.session.changes.version), self.model_json()
