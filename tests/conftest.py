@@ -5,7 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from explorer_reader import explored
 from model_file_examples import LIKE_THE_PAPER, fitted_model
+from shapeconcepts import ShapeConceptModel, read_scans
+from shapeconcepts.datasets import simulate
+from shapeconcepts.io.write_pcd import write_pcd
 from shapeconcepts.scan import Scan
 from shapeconcepts.sources import reader
 
@@ -50,3 +54,24 @@ def like_the_paper(tmp_path_factory):
     path = tmp_path_factory.mktemp("sound") / "model"
     fitted_model(**LIKE_THE_PAPER).save(path)
     return path
+
+
+@pytest.fixture(scope="session")
+def explored_folder(tmp_path_factory):
+    """Folder with `scans` of four categories, and a model of them."""
+    folder = tmp_path_factory.mktemp("explorer")
+    for scan in simulate(8, categories=("ball", "box", "can", "plate")):
+        path = folder / "scans" / str(scan.label) / f"{scan.name}.pcd"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_pcd(path, scan)
+    model = ShapeConceptModel().fit(read_scans(folder / "scans"))
+    assert len(model.concepts_) >= 3
+    model.save(folder / "m.safetensors")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def explorer_address(explored_folder):
+    """Where an explorer answers."""
+    with explored(explored_folder / "m.safetensors", explored_folder / "scans") as address:
+        yield address

@@ -40,7 +40,8 @@ class Window:
 
     def open(self) -> "Window":
         self.page.goto(self.address)
-        self.page.wait_for_selector("html[data-ready]", state="attached")
+        # The first one waits until the model is read.
+        self.page.wait_for_selector("html[data-ready]", state="attached", timeout=60_000)
         return self
 
     def press(self, *keys: str) -> None:
@@ -69,5 +70,23 @@ class Window:
         )
         return self.state()
 
+    def choose_concept(self, key: int) -> None:
+        self.page.locator(f"#left a[href='#concept/{key}']").click()
+        self.page.wait_for_function("key => location.hash === `#concept/${key}`", arg=key)
+
+    def tile(self, at: int):
+        return self.page.locator(f".tile[aria-posinset='{at + 1}']:not([aria-hidden])")
+
     def close(self) -> None:
+        self.page.unroute_all(behavior="ignoreErrors")
         self.context.close()
+
+
+def opened(browser, address: str) -> Iterator[Window]:
+    """A window on the model as it was learned."""
+    window = Window(browser, address).open()
+    while window.state()["canUndo"]:
+        window.edit(kind="undo")
+    window.made(0)
+    yield window
+    window.close()

@@ -21,6 +21,7 @@ from urllib.parse import urlsplit
 import pytest
 
 import shapeconcepts as sc
+from shapeconcepts.explorer import previews
 from shapeconcepts.explorer.server import ExplorerServer
 from shapeconcepts.explorer.session import Session
 from shapeconcepts.explorer.telling import Telling
@@ -384,6 +385,32 @@ def test_a_second_explorer_of_a_model_is_refused(folder: Path) -> None:
     with served(path) as (_, _), pytest.raises(sc.ModelError, match="another explorer"):
         Session(path, (), {}).open()
     assert not list(folder.glob(".*.lock"))
+
+
+def test_the_previews_asked_for_last_are_made_first_and_each_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(previews, "cpu_count", lambda: 1)
+    begun, order, may_go_on = threading.Event(), [], threading.Event()
+
+    def made(row: int) -> bytes:
+        begun.set()
+        assert may_go_on.wait(20)
+        order.append(row)
+        if row == 7:
+            raise RuntimeError("no picture")
+        return b"%d" % row
+
+    maker = previews.Previews(lambda row: b"kept" if row == 9 else None, made)
+    first = maker.of(0)
+    assert begun.wait(20)
+    waiting = {row: maker.of(row) for row in (1, 2, 7, 3)}
+    assert maker.of(1) is waiting[1] and maker.of(9).result(0) == b"kept"
+    may_go_on.set()
+    assert [first.result(20), *(waiting[row].result(20) for row in (1, 2, 3))] == [b"0", b"1", b"2", b"3"]
+    assert isinstance(waiting[7].exception(20), RuntimeError)
+    assert order == [0, 1, 3, 7, 2]
+    maker.forget()
+    assert maker.of(1).result(20) == b"1" and order.count(1) == 2
+    maker.close()
 
 
 # What is refused.

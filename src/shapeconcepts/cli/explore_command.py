@@ -6,6 +6,7 @@ import errno
 import sys
 import webbrowser
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -87,13 +88,15 @@ def explore(
     tell(server.address)
     sys.stdout.flush()
     if not no_browser:
-        webbrowser.open(server.address)
+        # Some browsers let one wait.
+        Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
     _open(session)
     say_when_interrupted("")
     # Until a signal ends the process: each edit is on the disk as soon as it is made.
     while session.wait():
-        session.keep_up()
+        # First: to find out what is alike takes its time.
         telling.remember()
+        session.keep_up()
 
 
 def _open(session: Session) -> None:

@@ -85,7 +85,7 @@ async def _previews(telling: Telling, request: Request) -> Response:
     rows = _rows(telling, request.query_params.get("rows", ""))
     if len(rows) > _MOST_ROWS:
         raise ValueError(f"rows must be up to {_MOST_ROWS}, got {len(rows)}")
-    made = [asyncio.wrap_future(telling.previews.of(row)) for row in rows]
+    made = [asyncio.wrap_future(telling.preview(row)) for row in rows]
     return Response(b"".join(await asyncio.gather(*made)), media_type="application/octet-stream")
 
 

@@ -15,6 +15,7 @@ from shapeconcepts.html_page import (
 _STYLES = ("page", "gallery", "concepts", "scan", "dialogs", "dark")
 _SCRIPTS = (
     "server",
+    "focus",
     "store",
     "previews",
     "places",

@@ -5,9 +5,9 @@ from __future__ import annotations
 import struct
 from collections import OrderedDict
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from os import cpu_count
-from threading import Lock
+from threading import Condition, Thread
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -15,57 +15,83 @@ if TYPE_CHECKING:
 
 N_ELEMENTS = 300
 MOST_BYTES_KEPT = 64_000_000
-# While one reads what was kept, another may wait for the model.
-_LEAST_THREADS = 2
 _HEADER = struct.Struct("<IHHfffff")
 
 
 class Previews:
     """Makes packed previews in a few threads, each once, and keeps the latest ones.
 
+    What was asked for last is made first: whoever scrolls through thousands wants those that are in sight.
     Kernels run without the lock of Python, so that threads keep as many cores busy.
 
     Parameters
     ----------
-    packed : callable
+    kept : callable
+        The packed preview of a row where it is known, at once; None where it has to be made.
+    made : callable
         The packed preview of a row.
     """
 
-    def __init__(self, packed: Callable[[int], bytes]) -> None:
-        self._packed = packed
-        self._threads = ThreadPoolExecutor(max(cpu_count() or 1, _LEAST_THREADS), "previews")
-        self._lock = Lock()
-        self._made: OrderedDict[int, Future[bytes]] = OrderedDict()
-        self._n_bytes = 0
+    def __init__(self, kept: Callable[[int], bytes | None], made: Callable[[int], bytes]) -> None:
+        self._kept, self._make = kept, made
+        self._changed = Condition()
+        self._futures: OrderedDict[int, Future[bytes]] = OrderedDict()
+        self._wanted: OrderedDict[int, Future[bytes]] = OrderedDict()
+        self._n_bytes, self._is_closed = 0, False
+        for number in range(cpu_count() or 1):
+            Thread(target=self._work, name=f"previews {number}", daemon=True).start()
 
     def of(self, row: int) -> Future[bytes]:
         """The preview of a scan, which may still be in the making."""
-        with self._lock:
-            future = self._made.get(row)
+        with self._changed:
+            future = self._futures.get(row)
             if future is None:
-                future = self._made[row] = self._threads.submit(self._make, row)
-            self._made.move_to_end(row)
+                future = self._futures[row] = Future()
+                if (content := self._kept(row)) is not None:
+                    self._finish(future, content)
+                else:
+                    self._wanted[row] = future
+                    self._changed.notify()
+            self._futures.move_to_end(row)
+            if row in self._wanted:
+                self._wanted.move_to_end(row)
             return future
 
     def forget(self) -> None:
         """Make all of them anew, as there is another model."""
-        with self._lock:
-            self._made, self._n_bytes = OrderedDict(), 0
+        with self._changed:
+            # Those in the making are still waited for.
+            self._futures, self._n_bytes = OrderedDict(self._wanted), 0
 
     def close(self) -> None:
         """Make no more."""
-        self._threads.shutdown(wait=False, cancel_futures=True)
+        with self._changed:
+            self._is_closed = True
+            self._changed.notify_all()
 
-    def _make(self, row: int) -> bytes:
-        packed = self._packed(row)
-        with self._lock:
-            self._n_bytes += len(packed)
-            while self._n_bytes > MOST_BYTES_KEPT:
-                oldest = next((key for key, one in self._made.items() if one.done()), None)
-                if oldest is None:
-                    break
-                self._n_bytes -= len(self._made.pop(oldest).result())
-        return packed
+    def _work(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._wanted or self._is_closed)
+                if self._is_closed:
+                    return
+                row, future = self._wanted.popitem()
+            try:
+                content = self._make(row)
+            except BaseException as error:
+                future.set_exception(error)
+                continue
+            with self._changed:
+                self._finish(future, content)
+
+    def _finish(self, future: Future[bytes], content: bytes) -> None:
+        future.set_result(content)
+        self._n_bytes += len(content)
+        while self._n_bytes > MOST_BYTES_KEPT:
+            oldest = next((row for row, one in self._futures.items() if one.done()), None)
+            if oldest is None:
+                return
+            self._n_bytes -= len(self._futures.pop(oldest).result())
 
 
 def pack(row: int, one: ScanPreview | None) -> bytes:

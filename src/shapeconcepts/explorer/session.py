@@ -62,6 +62,7 @@ class Session:
         self.trouble = ""
         self._journal_path = Path(f"{path.resolve()}.journal")
         self.model_status, self.journal_status = file_status(path), file_status(self._journal_path)
+        self._tried_status = self.model_status
         self._lock, self._is_read, self._is_closed = RLock(), Event(), Event()
         self._held = ExitStack()
         self._shown: ShapeConceptModel | None = None
@@ -84,7 +85,7 @@ class Session:
         # Where nothing can be written, it can still be looked at: each edit says why it cannot be made.
         with suppress(OSError):
             self._held.enter_context(self._journal.held())
-        self._take(*self._read())
+        self._take(*self._read(), self._tried_status)
 
     def wait(self) -> bool:
         """Until it is time to keep up again, True; or False, as the session is closed."""
@@ -159,10 +160,10 @@ class Session:
         from shapeconcepts.scan import ScanError
 
         try:
-            if (status := file_status(self.path)) != self.model_status:
+            if file_status(self.path) != self._tried_status:
                 # One that cannot be read is not tried again until it changes.
-                self.model_status = status
-                self._take(*self._read())
+                self._tried_status = file_status(self.path)
+                self._take(*self._read(), self._tried_status)
             elif file_status(self._journal_path) != self.journal_status:
                 with self._lock:
                     self._read_journal()
@@ -203,9 +204,9 @@ class Session:
         model = load_model(self.path).set_params(n_jobs=n_jobs)
         return model, FoundScans(model.scan_names_, self.places, self.reading)
 
-    def _take(self, model: ShapeConceptModel, found: FoundScans) -> None:
+    def _take(self, model: ShapeConceptModel, found: FoundScans, status: str) -> None:
         with self._lock:
-            self._model, self._found = model, found
+            self._model, self._found, self.model_status = model, found, status
             self.suggested, self.is_likeness_known = {}, False
             # Something may have been said since it was read.
             self._read_journal()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from concurrent.futures import Future
 from typing import TYPE_CHECKING, Any
 
 from shapeconcepts.explorer.file_status import file_status
@@ -24,14 +25,11 @@ class Telling:
     session : Session
     remember : bool
         Whether to keep it for the next time, in the user's cache.
-
-    Attributes
-    ----------
-    previews : Previews
     """
 
     def __init__(self, session: Session, *, remember: bool = True) -> None:
-        self.session, self.previews = session, Previews(self._packed_preview)
+        self.session, self._previews = session, Previews(self._kept_preview, self._packed_preview)
+        self._previews_of = session.model_status
         self._made: dict[str, tuple[str, bytes]] = {}
         self._recalled: dict[str, bytes] = {}
         self._recalled_of = self._kept_of = ""
@@ -78,13 +76,26 @@ class Telling:
     def figures_json(self) -> bytes:
         """What the figures of a report show."""
         from shapeconcepts.report.html.contents import report_contents
+        from shapeconcepts.report.html.shown_scans import shown_scans
 
         version, model = self.session.changes.version, self.session.shown
         previews = [None] * len(model.scan_names_)
         title = self.session.path.name
         return self._made_once(
-            "figures", str(version), lambda: report_contents(model, previews, (), title, {})
+            "figures",
+            str(version),
+            lambda: {
+                **report_contents(model, previews, (), title, {}),
+                "rows": shown_scans(model).scans.tolist(),
+            },
         )
+
+    def preview(self, row: int) -> Future[bytes]:
+        """The packed preview of a scan, which may still be in the making."""
+        if self._previews_of != self.session.model_status:
+            self._previews_of = self.session.model_status
+            self._previews.forget()
+        return self._previews.of(row)
 
     def scan(self, row: int) -> dict[str, Any]:
         """What there is to say of one scan."""
@@ -100,7 +111,7 @@ class Telling:
 
     def remember(self) -> None:
         """Keep what is told now for the next time."""
-        if self._remembered is None or not self.session.is_likeness_known or self._kept_of == self._latest:
+        if self._remembered is None or self._kept_of == self._latest:
             return
         files, latest = self._files, self._latest
         state, model = self._state(self.session.changes.version), self.model_json()
@@ -112,7 +123,7 @@ class Telling:
 
     def close(self) -> None:
         """Make nothing more."""
-        self.previews.close()
+        self._previews.close()
         if self._remembered is not None:
             self._remembered.close()
 
@@ -139,10 +150,13 @@ class Telling:
 
         return self._made_once("state", str(version), document)
 
+    def _kept_preview(self, row: int) -> bytes | None:
+        if self._remembered is None:
+            return None
+        return self._remembered.preview(row, self.session.model_status)
+
     def _packed_preview(self, row: int) -> bytes:
         of = self.session.model_status
-        if self._remembered is not None and (kept := self._remembered.preview(row, of)):
-            return kept
         path = self.session.path_of(row)
         status = "" if path is None else file_status(path)
         packed = self._new_preview(row)

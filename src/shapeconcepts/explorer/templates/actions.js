@@ -40,7 +40,8 @@ function actionButton(id) {
 let areKeysOn = true;
 document.addEventListener("keydown", (event) => {
   if (current === null || dialog.open) return;
-  const isTyping = event.target.matches("input:not([type=range], [type=radio], [type=checkbox]), select, textarea");
+  // A moment after a dialog has closed, the keyboard may still be in it.
+  const isTyping = !dialog.contains(event.target) && event.target.matches("input:not([type=range], [type=radio], [type=checkbox]), select, textarea");
   const command = event.ctrlKey || event.metaKey;
   if (command && event.key.toLowerCase() === "z" && !isTyping) run(event, actionOf.get(event.shiftKey ? "redo" : "undo"));
   else if (command && event.key.toLowerCase() === "y" && !isTyping) run(event, actionOf.get("redo"));

@@ -39,18 +39,17 @@ function openView(view) {
 
   fillBar = () => {
     if (current === null) return;
-    const misfits = unfit().length, focused = document.activeElement?.id;
+    const misfits = unfit().length;
     title.replaceChildren(oneLine(known.title));
-    views.replaceChildren(...VIEWS.map(([id, text]) => {
+    refilled(views, ...VIEWS.map(([id, text]) => {
       const button = element("button", { type: "button", id: `view-${id}`, onclick: () => openView(id) }, text,
         id === "journal" && current.nEdits ? element("span", { className: "count", textContent: WHOLE.format(current.nEdits) }) : "",
         id === "journal" && misfits ? element("span", { className: "warning", textContent: `⚠ ${misfits}`, title: `${plural(misfits, "edit")} no longer fit` }) : "");
       if (openedView() === id) button.setAttribute("aria-current", "page");
       return button;
     }));
-    tools.replaceChildren(...["undo", "redo", "question", "propagate", "export", "help"].map(actionButton));
+    refilled(tools, ...["undo", "redo", "question", "propagate", "export", "help"].map(actionButton));
     document.getElementById("do-question").classList.toggle("primary", current.question !== null);
-    if (focused?.startsWith("do-") || focused?.startsWith("view-")) document.getElementById(focused)?.focus();
   };
   onCurrent(fillBar);
 })();

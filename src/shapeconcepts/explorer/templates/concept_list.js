@@ -1,5 +1,5 @@
 // At the left: the lists, and the concepts. The arrow keys walk through them.
-const conceptList = (() => {
+(() => {
   const left = document.getElementById("left");
   const lists = element("ul", { className: "lists" }), concepts = element("ul", { className: "concepts" });
   const slider = element("div", { id: "slider" });
@@ -67,5 +67,4 @@ const conceptList = (() => {
   onCurrent(fill);
   onPlace(mark);
   isDark.addEventListener("change", () => { readTheme(); fill(); gallery.redraw(); });
-  return { fill };
 })();

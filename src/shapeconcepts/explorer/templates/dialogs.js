@@ -3,7 +3,7 @@ const dialog = document.getElementById("dialog");
 
 function openDialog(title, ...children) {
   const back = document.activeElement;
-  dialog.onclose = () => { if (back?.isConnected) back.focus({ preventScroll: true }); else gallery.focus(); };
+  dialog.onclose = () => { if (back?.isConnected && back !== document.body) back.focus({ preventScroll: true }); else gallery.focus(); };
   dialog.setAttribute("aria-labelledby", "dialog-title");
   dialog.replaceChildren(
     element("h2", { id: "dialog-title", textContent: title }),
@@ -12,6 +12,13 @@ function openDialog(title, ...children) {
   if (!dialog.open) dialog.showModal();
   (dialog.querySelector("[data-first]") ?? dialog.querySelector("input, select, button:not(.close)"))?.focus();
 }
+// At once: the browser's own way lets the next key pass by before it has closed.
+dialog.addEventListener("keydown", (event) => {
+  if (event.key !== "Escape") return;
+  event.preventDefault();
+  event.stopPropagation();
+  dialog.close();
+});
 dialog.addEventListener("click", (event) => { if (event.target === dialog) dialog.close(); });
 
 // A form of a dialog: `act` may refuse, which is said in the dialog.

@@ -6,7 +6,13 @@ const figuresView = (() => {
   box.append(sheet, chosen);
   let drawn = null, contents = null, version = null, rankOf = new Map(), shownRow = null;
 
-  async function fill() {
+  // Asked for once, however many wait for it.
+  let filling = null;
+  function fill() {
+    filling ??= refill().finally(() => { filling = null; });
+    return filling;
+  }
+  async function refill() {
     if (version === current.version) return;
     const wanted = current.version;
     if (drawn === null) sheet.replaceChildren(element("p", { className: "quiet", textContent: "drawing …" }));
@@ -17,10 +23,9 @@ const figuresView = (() => {
       refused(failure.message);
       return;
     }
-    if (wanted !== current.version) { fill(); return; }
+    if (wanted !== current.version) { await refill(); return; }
     version = wanted;
     contents = made;
-    contents.rows ??= contents.scans.names.map((_, at) => at);
     rankOf = new Map();
     contents.concepts.forEach((concept, rank) => {
       const { key } = current.concepts[concept.number];

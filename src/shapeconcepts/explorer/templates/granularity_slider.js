@@ -1,5 +1,5 @@
 // The tree of concepts from coarse to fine, and a slider across it: the groups at another granularity, before they are taken.
-const granularitySlider = (() => {
+(() => {
   const box = document.getElementById("slider");
   let bands = null, stops = [];
 
@@ -141,5 +141,4 @@ const granularitySlider = (() => {
     else { pass(shownCut(stops[range.value])); describe(); }
   });
   onPlace(() => { if (bands !== null && passing === null && Number(range.value) !== stopOf(current.granularity)) reset(); });
-  return { draw };
 })();

@@ -1,11 +1,11 @@
 // Above the gallery: what it shows, and what can be done with it.
-const heading = (() => {
+(() => {
   const middle = document.getElementById("middle");
-  const title = element("div", { className: "place-title" }), tools = element("div", { className: "tools", role: "toolbar", ariaLabel: "Actions" });
+  const name = element("div", { className: "place-name" }), tools = element("div", { className: "tools", role: "toolbar", ariaLabel: "Actions" });
   const extra = element("div", {});
   const orders = element("select", { ariaLabel: "Order", onchange: () => { setOrder(orders.value); } },
     ...ORDERS.map(([value, textContent]) => element("option", { value, textContent })));
-  middle.append(element("div", { className: "place" }, title, tools, extra), gallery.root);
+  middle.append(element("div", { className: "place" }, element("div", { className: "place-title" }, name, orders), tools, extra), gallery.root);
 
   function setOrder(value) {
     order = value;
@@ -22,16 +22,14 @@ const heading = (() => {
   function fillTools() {
     const n = gallery.chosen().length, ids = ACTIONS.filter(({ on }) => (on === "concept" && place.key !== undefined) || (on === "scans" && n > 0))
       .filter(({ id, isRare, can }) => (isRare ? can() : id !== "name" || place.kind === "concept")).map(({ id }) => id);
-    const focused = document.activeElement?.id;
-    tools.replaceChildren(...ids.filter((id) => actionOf.get(id).on === "concept").map(actionButton),
+    refilled(tools, ...ids.filter((id) => actionOf.get(id).on === "concept").map(actionButton),
       n ? element("span", { className: "chosen", textContent: `${WHOLE.format(n)} chosen` }) : "",
       ...ids.filter((id) => actionOf.get(id).on === "scans").map(actionButton));
-    if (focused?.startsWith("do-")) document.getElementById(focused)?.focus();
     orders.hidden = place.kind === "question" || place.kind === "uncertain";
   }
   let questionShown = null;
   function fillExtra() {
-    if (place.kind !== "question") { questionShown = null; extra.replaceChildren(...(place.extra ? [place.extra()] : [])); return; }
+    if (place.kind !== "question") { questionShown = null; extra.replaceChildren(); return; }
     // What was typed stays while others change the model.
     if (place.question.kind === "name" && questionShown === place.question) return;
     questionShown = place.question;
@@ -45,9 +43,9 @@ const heading = (() => {
   function fillTitle() {
     const concept = byKey.get(place.key);
     const note = [place.note, plural(total(), "scan"), concept && place.kind === "concept" && concept.suggested ? concept.suggested : ""].filter(Boolean).join(" · ");
-    title.replaceChildren(
+    name.replaceChildren(
       element("h2", { style: { "--colour": concept ? colourOfKey(place.key) : "transparent" } }, concept && place.kind === "concept" ? element("span", { className: "swatch" }) : "", named(place.title)),
-      element("span", { className: "quiet place-note", textContent: note }), orders);
+      element("span", { className: "quiet place-note", textContent: note }));
     orders.value = order;
   }
 
@@ -67,5 +65,4 @@ const heading = (() => {
     fillExtra();
   });
   gallery.onSelection(() => { fillTools(); if (place.isChoosing) fillExtra(); });
-  return { setOrder };
 })();

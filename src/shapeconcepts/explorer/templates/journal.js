@@ -15,7 +15,7 @@ onCurrent(() => {
       edit.undone || after === 0 ? "" : element("button", { type: "button", textContent: "Back to here", title: `Undo the ${plural(after, "edit")} after this one`, onclick: () => undoTimes(after) }));
   };
   const all = nAfter(-Infinity);
-  box.replaceChildren(element("div", { className: "sheet" },
+  refilled(box, element("div", { className: "sheet" },
     element("h1", { textContent: "Journal" }),
     element("p", { className: "quiet", textContent: "Each edit is a line in a file beside the model, kept through restarts and updates. Nothing is ever dropped from it." }),
     misfits.length ? element("div", { className: "misfits" }, element("h2", { textContent: `⚠ ${plural(misfits.length, "edit")} no longer ${misfits.length === 1 ? "fits" : "fit"} the model` }),

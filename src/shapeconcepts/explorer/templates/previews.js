@@ -1,5 +1,5 @@
 // Previews of scans: asked for in batches, drawn a few a frame, kept as small pictures. What scrolled away is neither.
-const BATCH = 32, MOST_RECORDS = 8000, MOST_PIXELS = 12_000_000, FRAME = 8;
+const BATCH = 32, MOST_RECORDS = 8000, MOST_PIXELS = 8_000_000, FRAME = 8;
 const records = new Map(), pictures = new Map(), waiting = new Map(), batches = new Set();
 let nPixels = 0, isPumping = false, fetchTimer = null;
 

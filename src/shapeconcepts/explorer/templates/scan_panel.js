@@ -1,5 +1,5 @@
 // At the right: one scan, large; why it is where it is, and what is like it.
-const scanPanel = (() => {
+(() => {
   const right = document.getElementById("right");
   const canvas = element("canvas", { className: "scan", tabIndex: 0, role: "img" });
   const body = element("div", { className: "scan-body" });
@@ -76,7 +76,7 @@ const scanPanel = (() => {
     }
     none.hidden = answer === null || Boolean(answer.preview) || elements !== null;
     none.textContent = answer?.reason || "no picture";
-    body.replaceChildren(
+    refilled(body,
       element("dl", {},
         pair("concept", key < 0 ? (foreign.has(row) ? "foreign" : "none") : element("a", { href: `#concept/${key}`, className: "in-concept", style: { "--colour": colourOfKey(key) } }, element("span", { className: "swatch" }), named(nameOfKey(key)))),
         sides ? pair("size", shownSides(sides)) : "",
@@ -114,7 +114,7 @@ const scanPanel = (() => {
         element("span", { className: "small", textContent: plural(motif.segments.length, "surface") }),
         element("span", { className: "fit" }, element("span", { style: { width: `${Math.max(1, 100 * motif.stimulus)}%` } })),
         element("span", { className: "quiet small", textContent: motif.stimulus >= 0.01 ? motif.stimulus.toFixed(2) : motif.stimulus.toExponential(0) })),
-      element("span", { className: "small-scans" }, ...motif.reminds.slice(0, 3).map(({ row, divergence }) => scanButton(row, 44, divergence.toFixed(2))))))));
+      element("span", { className: "small-scans" }, ...motif.reminds.filter((one) => one.row !== shown).slice(0, 3).map(({ row, divergence }) => scanButton(row, 44, divergence.toFixed(2))))))));
   }
 
   const nearest = (answer) => (answer.nearest.length === 0 ? "" : element("div", {}, element("h3", { textContent: "Nearest scans" }),
@@ -123,7 +123,6 @@ const scanPanel = (() => {
   gallery.onSelection(() => show(gallery.active()));
   onCurrent(() => { answers.clear(); if (shown !== null) { const row = shown; shown = undefined; const { yaw, pitch } = canvas; show(row); Object.assign(canvas, { yaw, pitch }); canvas.redraw(); } });
   show(null);
-  return { show };
 })();
 
 // To a scan among those that are shown, or else in its concept.
