@@ -317,5 +317,5 @@ def load_model(path: str | PathLike[str]) -> ShapeConceptModel:
     stages: Any = {name: getattr(state, name) for name in STAGES}
     model = ShapeConceptModel(**{name: clone(stage, safe=False) for name, stage in stages.items()})
     model._remember(state)
-    model._read_journal(path)
+    model.read_journal(path)
     return model

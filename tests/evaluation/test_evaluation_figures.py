@@ -144,7 +144,7 @@ def test_a_label_has_one_colour_for_each_of_24_labels():
 def test_the_report_of_a_model_has_the_same_label_colours():
     from importlib.resources import files
 
-    script = (files("shapeconcepts.report.html") / "templates" / "state.js").read_text("utf-8")
+    script = (files("shapeconcepts.html_page") / "templates" / "colours.js").read_text("utf-8")
     listed = re.search(r"LABEL_COLOURS = \[(.*?)\]", script, re.DOTALL)[1]
     theirs = [to_rgb(colour) for colour in re.findall(r"#\w{6}", listed)]
     np.testing.assert_allclose(theirs, LABEL_COLOURS / 255)

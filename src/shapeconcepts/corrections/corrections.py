@@ -359,8 +359,14 @@ class Corrections(ContinuedLearning):
         file.append(self._journal)
         self._place = file.path
 
-    def _read_journal(self, path: str | PathLike[str]) -> None:
-        """Take the edits beside a model's file."""
+    def read_journal(self, path: str | PathLike[str]) -> None:
+        """Take the edits beside a model's file, instead of those that were made or read before.
+
+        Raises
+        ------
+        ModelError
+            If what lies there is no journal, or damaged.
+        """
         file = JournalFile(path)
         self._journal, self._place = file.read(), file.path
         self._correct()

@@ -214,7 +214,7 @@ class Session:
 
     def _read_journal(self) -> None:
         self.journal_status = file_status(self._journal_path)
-        self._model._read_journal(self.path)
+        self._model.read_journal(self.path)
         self._show()
 
     def _show(self) -> None:
