@@ -106,6 +106,17 @@ def test_a_bare_table_holds_nothing():
     assert extract_objects(Scene(box_on_a_plane(with_box=False)[0], viewpoint=(0, 0, 0))) == []
 
 
+def test_an_object_is_found_where_its_table_is_not_seen():
+    points, is_box, _ = box_on_a_plane()
+    points[:, 90:][~is_box[:, 90:]] = np.nan
+    [found] = extract_objects(Scene(points, viewpoint=(0, 0, 0)))
+    assert np.isin(np.flatnonzero(is_box), found.indices).mean() > 0.9
+    # What is cut out of a wall that the same table stands before is behind what is around it.
+    hidden, is_box, _ = box_on_a_plane()
+    hidden[:, 90:][~is_box[:, 90:]] = hidden[:, 90:][~is_box[:, 90:]] * 0.3
+    assert extract_objects(Scene(hidden, viewpoint=(0, 0, 0))) == []
+
+
 def test_nothing_to_stand_on_is_an_answer():
     angles = np.random.default_rng(0).normal(size=(5000, 3))
     ball = 0.1 * angles / np.linalg.norm(angles, axis=1, keepdims=True) + (0, 0, 1)

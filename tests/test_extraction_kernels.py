@@ -12,8 +12,9 @@ from shapeconcepts.extraction.component_kernels import (
     grow_downwards,
     hidden_sides,
     near_pairs,
+    silhouettes,
 )
-from shapeconcepts.extraction.height_kernels import window_means
+from shapeconcepts.extraction.height_kernels import heights_above, in_lines, window_means
 from shapeconcepts.extraction.pixel_kernels import largest_coordinate, measured_points
 from shapeconcepts.extraction.planar_cells_kernels import cell_moments, fit_planes
 
@@ -38,6 +39,21 @@ def test_a_jump_parts_components():
     numbers, n = connected_components(np.ones((1, 4), bool), distances, np.full((1, 4), 0.5, np.float32))
     assert n == 2
     assert numbers.tolist() == [[0, 0, 1, 1]]
+
+
+def test_heights_are_above_the_plane_that_a_point_is_over():
+    points = np.array([[(0.0, 0.0, 0.1), (0.65, 0.0, 0.0), (0.65, 0.0, 0.1), (0.9, 0.0, 0.0), (np.nan,) * 3]])
+    plane = np.array([[0.0, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0]])
+    outline = np.array([(1.0, 0.0, -0.5), (-1.0, 0.0, -0.5), (0.0, 1.0, -0.5), (0.0, -1.0, -0.5)])
+    viewpoint, starts = np.array([0.0, 0.0, 1.0]), np.array([0, 4])
+    heights, noises, numbers = heights_above(
+        points, viewpoint, plane, outline, starts, np.zeros((1, 6)), 0.02, 0.2, 1.0
+    )
+    # What is on the plane within 20 cm of its outline may be more of it.
+    assert numbers.tolist() == [[0, -2, -1, -1, -1]]
+    assert heights[0, 0] == pytest.approx(0.1)
+    assert np.isnan(heights[0, 1:]).all()
+    assert (noises[0, :4] > 0.0).all()
 
 
 def test_window_means_are_plain_means(rng):
@@ -144,3 +160,39 @@ def test_sides_are_hidden_by_what_is_nearer():
     assert (hidden.tolist(), sides.tolist()) == ([0, 1], [1, 1])
     hidden, sides = hidden_sides(numbers, 2, distances, jumps, -1, 0)
     assert (hidden.tolist(), sides.tolist()) == ([1, 0], [1, 1])
+
+
+def test_silhouettes_are_before_what_is_farther():
+    # A part with something far to its left, nothing measured to its right, and its own surface below it.
+    distances = np.full((4, 14), 2.0, np.float32)
+    distances[:, 4:] = np.nan
+    distances[1:3, 2:4] = 1.0
+    distances[3, 2:4] = 1.05
+    distances[0, 2:4] = 0.5
+    numbers = np.full((4, 14), -1, np.int32)
+    numbers[1:3, 2:4] = 0
+    in_front, goes_on, sides = silhouettes(numbers, 1, distances, np.full((4, 14), 0.1, np.float32))
+    assert (in_front.tolist(), goes_on.tolist(), sides.tolist()) == ([4], [2], [8])
+
+
+def test_a_hole_without_measurements_is_no_border():
+    distances = np.ones((3, 5), np.float32)
+    distances[1, 2] = np.nan
+    numbers = np.where(np.isnan(distances), -1, 0).astype(np.int32)
+    _, _, sides = silhouettes(numbers, 1, distances, np.full((3, 5), 0.1, np.float32))
+    assert sides.tolist() == [16]
+
+
+def test_points_are_in_a_line_where_low_ones_go_on():
+    smooth = np.zeros((20, 30), np.float32)
+    smooth[10, 5:25] = 3.0
+    smooth[3, 3] = 3.0
+    low = np.ones(smooth.shape, np.float32)
+    offsets = np.array([[(0, k) for k in range(5)], [(0, -k) for k in range(5)], [(k, 0) for k in range(5)]])
+    found = in_lines(smooth, low, offsets, 2.0, 2.9, 4.0, 10.0)
+    assert np.array_equal(np.argwhere(found), [(10, column) for column in range(5, 25)])
+    # What is tall is no line, and one high place is not many.
+    smooth[10, 15] = 20.0
+    assert found.sum() - in_lines(smooth, low, offsets, 2.0, 2.9, 4.0, 10.0).sum() == 1
+    smooth[3, 3] = 9.0
+    assert not in_lines(smooth, low, offsets, 2.0, 2.9, 4.0, 10.0)[3].any()

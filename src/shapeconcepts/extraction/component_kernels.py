@@ -300,3 +300,39 @@ def hidden_sides(
                     break
                 row, column = row + down, column + right
     return hidden, sides
+
+
+@kernel
+def silhouettes(
+    numbers: NDArray[np.int32], n: int, distances: NDArray[np.float32], jumps: NDArray[np.float32]
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """Of the border of each component, the sides before something farther, those where its surface goes on.
+
+    Pixels where nothing was measured are passed over, up to eight of them; behind more of them, and beyond
+    the image, it is as if all were farther. The third are all sides. All (n,) int64.
+    """
+    height, width = numbers.shape
+    in_front, goes_on, sides = np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64)
+    for i in range(height):
+        for j in range(width):
+            own = numbers[i, j]
+            if own < 0:
+                continue
+            for step in range(4):
+                down, right = (step == 0) - (step == 1), (step == 2) - (step == 3)
+                beyond = np.inf
+                other = -1
+                for k in range(1, 9):
+                    row, column = i + k * down, j + k * right
+                    if not (0 <= row < height and 0 <= column < width):
+                        break
+                    if not math.isnan(distances[row, column]):
+                        beyond = distances[row, column] - distances[i, j]
+                        other = numbers[row, column]
+                        break
+                if other == own:
+                    continue
+                sides[own] += 1
+                in_front[own] += beyond > jumps[i, j]
+                goes_on[own] += abs(beyond) <= jumps[i, j]
+    return in_front, goes_on, sides

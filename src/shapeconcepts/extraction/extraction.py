@@ -10,13 +10,15 @@ from shapeconcepts.extraction.component_kernels import flying_pixels
 from shapeconcepts.extraction.creases import have_creases
 from shapeconcepts.extraction.depth_noise import depth_noises
 from shapeconcepts.extraction.extracted_object import ExtractedObject
-from shapeconcepts.extraction.fragments import find_fragments
+from shapeconcepts.extraction.fragments import find_fragments, joined
 from shapeconcepts.extraction.gravity import upward
 from shapeconcepts.extraction.heights import Heights, measure_heights
+from shapeconcepts.extraction.interlocking import interlocked_pairs
 from shapeconcepts.extraction.pixel_grid import ScenePixels, scene_pixels
 from shapeconcepts.extraction.planar_regions import PlanarRegion, planar_regions
 from shapeconcepts.extraction.stacked import part_stacked
 from shapeconcepts.extraction.supporting_planes import SupportingPlane, supporting_planes
+from shapeconcepts.extraction.unsupported import unsupported_objects
 from shapeconcepts.parameters import check_integer
 from shapeconcepts.scan import Scan
 from shapeconcepts.scene import Scene
@@ -69,14 +71,20 @@ def extract_objects(scene: Scene, *, fewest_points: int = FEWEST_POINTS) -> list
         return []
     heights = measure_heights(grid.points, grid.viewpoint, planes, found.noise)
     noises = depth_noises(grid.distances, found.noise)
-    is_part = heights.smooth > heights.low
+    is_part = heights.is_high | (heights.smooth > heights.low)
     is_part &= heights.height > 0.5 * heights.low
-    is_free = np.isfinite(grid.distances) & (is_part | ~heights.is_above)
+    is_free = np.isfinite(grid.distances) & (is_part | ~heights.is_above) & ~heights.is_beside
     is_free &= ~flying_pixels(grid.distances, grid.jumps)
     is_free &= ~is_background(grid, found.regions, planes, noises)
     numbers, n = find_fragments(grid, heights, is_free, noises)
+    n_together = n
     n = part_stacked(numbers, n, grid, _level_parts(found.regions, planes), noises)
-    return _objects(scene, seen._replace(grid=grid), numbers, n, heights, fewest_points)
+    may_join = _stand_on_surface(numbers, n, heights) & (np.arange(n) < n_together)
+    numbers, n = joined(numbers, n, interlocked_pairs(numbers, n, may_join, grid, heights))
+    is_object = _stand_on_surface(numbers, n, heights)
+    is_large = np.bincount(numbers[numbers >= 0], minlength=n) >= fewest_points
+    is_object |= unsupported_objects(numbers, n, is_large & ~is_object, grid, planes)
+    return _objects(scene, seen._replace(grid=grid), numbers, n, is_object, fewest_points)
 
 
 def _level_parts(regions: list[PlanarRegion], planes: list[SupportingPlane]) -> list[PlanarRegion]:
@@ -88,20 +96,24 @@ def _level_parts(regions: list[PlanarRegion], planes: list[SupportingPlane]) -> 
     ]
 
 
+def _stand_on_surface(numbers: NDArray[np.int32], n: int, heights: Heights) -> NDArray[np.bool_]:
+    """Which parts are above a surface, and cannot be its noise, (n,) bool."""
+    own = numbers >= 0
+    sizes = np.bincount(numbers[own], minlength=n)
+    above = np.bincount(numbers[own], heights.is_above[own], n)
+    beyond_noise = np.bincount(numbers[own], heights.is_high[own], n)
+    return np.asarray((above > _ABOVE * sizes) & (beyond_noise > _BEYOND_NOISE * sizes))
+
+
 def _objects(
     scene: Scene,
     seen: ScenePixels,
     numbers: NDArray[np.int32],
     n: int,
-    heights: Heights,
+    is_object: NDArray[np.bool_],
     fewest_points: int,
 ) -> list[ExtractedObject]:
     grid, pixels, is_image = seen
-    own = numbers >= 0
-    sizes = np.bincount(numbers[own], minlength=n)
-    above = np.bincount(numbers[own], heights.is_above[own], n)
-    beyond_noise = np.bincount(numbers[own], heights.is_high[own], n)
-    is_object = (above > _ABOVE * sizes) & (beyond_noise > _BEYOND_NOISE * sizes)
     of_point = numbers.ravel() if is_image else _numbers_of_points(scene, seen, numbers)
     members = np.flatnonzero(of_point >= 0)
     members = members[np.argsort(of_point[members], kind="stable")]

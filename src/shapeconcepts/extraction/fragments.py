@@ -16,7 +16,6 @@ from shapeconcepts.extraction.component_kernels import (
     hidden_sides,
     near_pairs,
 )
-from shapeconcepts.extraction.containment import contained_pairs
 from shapeconcepts.extraction.heights import Heights
 from shapeconcepts.extraction.hollow import hollow_pairs
 from shapeconcepts.extraction.pixel_grid import PixelGrid
@@ -41,10 +40,10 @@ _GROWTH = 4
 FLOATS = 0.04
 HIDDEN = 0.1
 _LEAST_ADJACENT = 12
-# Share of its upper border that something else hides.
-OVERHUNG = 0.5
 # Share of the height of something low at which it ends.
 TRIM = 0.3
+# Square metres of what may be furniture if it is not above any, and rows to the next one that is looked at.
+_LARGEST, _ROWS = 0.15, 4
 # Pixels, share of its border, and metres of what is the floor of something.
 _LEAST_HOLE, _ENCLOSED, _LEAST_FLOOR = 40, 0.5, 0.0015
 
@@ -73,20 +72,22 @@ def find_fragments(
     numbers, n_tall = _components(is_tall, grid, _LEAST_TALL)
     if n_tall:
         is_hardly = _hardly_tall(numbers, n_tall, heights)
-        is_tall &= ~is_hardly[numbers]
-        numbers, n_tall = _components(is_tall, grid, _LEAST_TALL)
+        if is_hardly.any():
+            is_tall &= ~is_hardly[numbers]
+            numbers, n_tall = _kept(numbers, ~is_hardly[:-1])
     if n_tall:
         near = (
             near_pairs(numbers, n_tall, points, np.float32(REACH) + 2.0 * noises, _NEAR_PIXELS)
             >= _FEWEST_NEAR
         )
-        numbers, n_tall = _joined(numbers, n_tall, near)
+        near &= _pairs_of_things(numbers, n_tall, grid, heights)
+        numbers, n_tall = joined(numbers, n_tall, near)
         everywhere = np.full(distances.shape, np.inf, np.float32)
         adjacent = near_pairs(numbers, n_tall, points, everywhere, 2)
+        adjacent *= _pairs_of_things(numbers, n_tall, grid, heights)
         together = hollow_pairs(numbers, n_tall, adjacent, grid, heights)
-        together |= _overhung_pairs(numbers, n_tall, adjacent, grid)
         together |= _floating_pairs(numbers, n_tall, adjacent, grid, heights)
-        numbers, n_tall = _joined(numbers, n_tall, together)
+        numbers, n_tall = joined(numbers, n_tall, together)
     is_low = is_free & heights.is_high & ~is_tall
     with_foot = numbers.copy()
     grow_downwards(with_foot, is_low, points, grid.up, np.float32(BASE) + 2.0 * noises)
@@ -102,6 +103,19 @@ def find_fragments(
     _trim(numbers, n_tall, n_tall + n_low, heights)
     _fill(numbers, n_tall + n_low, grid, heights)
     return numbers, n_tall + n_low
+
+
+def _pairs_of_things(
+    numbers: NDArray[np.int32], n: int, grid: PixelGrid, heights: Heights
+) -> NDArray[np.bool_]:
+    """Pairs of parts of which none is a piece of furniture, (n, n) bool."""
+    some = numbers[::_ROWS]
+    own = some >= 0
+    of_part = some[own]
+    areas = _ROWS * np.bincount(of_part, (grid.pitch * grid.distances[::_ROWS][own]) ** 2, n)
+    above = np.bincount(of_part, heights.is_above[::_ROWS][own], n)
+    is_thing = (areas < _LARGEST) | (above > 0.5 * np.bincount(of_part, minlength=n))
+    return is_thing & is_thing[:, None]
 
 
 def _hardly_tall(numbers: NDArray[np.int32], n: int, heights: Heights) -> NDArray[np.bool_]:
@@ -135,12 +149,15 @@ def _fill(numbers: NDArray[np.int32], n: int, grid: PixelGrid, heights: Heights)
     if not n_holes or not n:
         return
     counts, borders = contacts(holes, n_holes, numbers, n, grid.distances, grid.jumps)
+    is_enclosed = counts.max(axis=1) > _ENCLOSED * borders
+    if not is_enclosed.any():
+        return
+    holes, n_holes = _kept(holes, is_enclosed)
     own = holes >= 0
-    sizes = np.bincount(holes[own], minlength=n_holes)
-    mean = np.bincount(holes[own], (heights.height + heights.level)[own], n_holes) / sizes
-    is_part = (counts.max(axis=1) > _ENCLOSED * borders) & (mean > _LEAST_FLOOR)
-    becomes = np.append(np.where(is_part, counts.argmax(axis=1), -1), -1).astype(np.int32)
-    numbers[own] = becomes[holes[own]]
+    of_hole = holes[own]
+    mean = np.bincount(of_hole, heights.height[own] + heights.level[own], n_holes) / np.bincount(of_hole)
+    becomes = np.where(mean > _LEAST_FLOOR, counts[is_enclosed].argmax(axis=1), -1).astype(np.int32)
+    numbers[own] = becomes[of_hole]
 
 
 def _floating_pairs(
@@ -158,17 +175,6 @@ def _floating_pairs(
     return together
 
 
-def _overhung_pairs(
-    numbers: NDArray[np.int32], n: int, adjacent: NDArray[np.int64], grid: PixelGrid
-) -> NDArray[np.bool_]:
-    """Parts whose upper border is hidden by what they stand within, such as a foot below a belly, (n, n)."""
-    down, right = _downwards(grid)
-    hidden, sides = hidden_sides(numbers, n, grid.distances, grid.jumps, -down, -right)
-    is_overhung = hidden > OVERHUNG * sides
-    beside = np.where(is_overhung[:, None] | is_overhung, adjacent, 0)
-    return contained_pairs(numbers, n, beside, grid)
-
-
 def _downwards(grid: PixelGrid) -> tuple[int, int]:
     """The step to a neighbouring pixel, rows and columns, that leads down the most."""
     step = (slice(None, None, 8), slice(None, None, 8))
@@ -181,12 +187,19 @@ def _downwards(grid: PixelGrid) -> tuple[int, int]:
 def _components(belongs: NDArray[np.bool_], grid: PixelGrid, fewest: int) -> tuple[NDArray[np.int32], int]:
     """Connected components of so many pixels, see `connected_components`."""
     numbers, n = connected_components(belongs, grid.distances, grid.jumps)
-    is_kept = np.bincount(numbers[numbers >= 0], minlength=n) >= fewest
+    return _kept(numbers, np.bincount(numbers[numbers >= 0], minlength=n) >= fewest)
+
+
+def _kept(numbers: NDArray[np.int32], is_kept: NDArray[np.bool_]) -> tuple[NDArray[np.int32], int]:
+    """Numbers without those of parts that are not kept, and how many there are then."""
     # The last one is for -1.
     becomes = np.append(np.where(is_kept, np.cumsum(is_kept) - 1, -1), -1).astype(np.int32)
     return becomes[numbers], int(is_kept.sum())
 
 
-def _joined(numbers: NDArray[np.int32], n: int, together: NDArray[np.bool_]) -> tuple[NDArray[np.int32], int]:
+def joined(numbers: NDArray[np.int32], n: int, together: NDArray[np.bool_]) -> tuple[NDArray[np.int32], int]:
+    """Numbers of parts of which some are together (n, n), and how many there are then."""
+    if not together.any():
+        return numbers, n
     n_joined, becomes = components_of_graph(together, directed=False)
     return np.append(becomes, -1).astype(np.int32)[numbers], int(n_joined)

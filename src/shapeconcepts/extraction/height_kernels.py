@@ -20,6 +20,7 @@ def heights_above(
     starts: NDArray[np.int64],
     bends: NDArray[np.float64],
     margin: float,
+    beyond: float,
     noise: float,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.int8]]:
     """Height of each point above the highest plane that it is over.
@@ -39,6 +40,8 @@ def heights_above(
         Height of each surface above its plane: coefficients of 1, u, v, uu, uv, vv along the axes.
     margin : float
         Metres by which a point may be outside of an outline.
+    beyond : float
+        Metres outside of an outline up to which a plane may go on.
     noise : float
         In parts of `depth_noise`.
 
@@ -49,7 +52,7 @@ def heights_above(
     noises : (h, w) float32
         Standard deviation of a height, metres; of the depth where no plane is below.
     numbers : (h, w) int8
-        Of the plane, -1 for none.
+        Of the plane, -1 for none, -2 for what may be a plane beyond its outline.
     """
     height, width = points.shape[:2]
     heights = np.full((height, width), np.nan, np.float32)
@@ -73,12 +76,14 @@ def heights_above(
                     continue
                 u = dx * p[6] + dy * p[7] + dz * p[8]
                 v = dx * p[9] + dy * p[10] + dz * p[11]
-                is_inside = True
+                outside = -math.inf
                 for side in range(starts[k], starts[k + 1]):
-                    if outlines[side, 0] * u + outlines[side, 1] * v + outlines[side, 2] > margin:
-                        is_inside = False
+                    outside = max(outside, outlines[side, 0] * u + outlines[side, 1] * v + outlines[side, 2])
+                    if outside > beyond:
                         break
-                if not is_inside:
+                if outside > margin:
+                    if outside <= beyond and above < 3.0 * sigma * across + 0.005:
+                        numbers[i, j] = -2
                     continue
                 b = bends[k]
                 bend = b[0] + b[1] * u + b[2] * v + b[3] * u * u + b[4] * u * v + b[5] * v * v
@@ -134,3 +139,54 @@ def window_means(
             if not math.isnan(values[i, j]):
                 means[i, j] = sums[i, j] / counts[i, j]
     return means
+
+
+@kernel
+def in_lines(
+    smooth: NDArray[np.float32],
+    low: NDArray[np.float32],
+    offsets: NDArray[np.int64],
+    least: float,
+    least_mean: float,
+    most: float,
+    tall: float,
+) -> NDArray[np.bool_]:
+    """Points from which a line of low ones goes on, (h, w) bool.
+
+    Parameters
+    ----------
+    smooth : (h, w) float32
+        Mean heights, metres.
+    low : (h, w) float32
+        Unit in which they are measured here, metres.
+    offsets : (d, k, 2) int64
+        Rows and columns to the places of a line in each direction, the first of them (0, 0).
+    least : float
+        Height of the point.
+    least_mean : float
+        Mean height along the line.
+    most : float
+        Height that is taken for all that is higher.
+    tall : float
+        Metres; what is higher is not on a line.
+    """
+    height, width = smooth.shape
+    n_directions, n_places = offsets.shape[:2]
+    found = np.zeros((height, width), np.bool_)
+    needed = least_mean * n_places
+    for i in range(height):
+        for j in range(width):
+            if not (smooth[i, j] > least * low[i, j]):
+                continue
+            for direction in range(n_directions):
+                total = 0.0
+                for place in range(n_places):
+                    row, column = i + offsets[direction, place, 0], j + offsets[direction, place, 1]
+                    if 0 <= row < height and 0 <= column < width and smooth[row, column] < tall:
+                        total += min(smooth[row, column] / low[row, column], most)
+                    if total + most * (n_places - 1 - place) < needed:
+                        break
+                if total >= needed:
+                    found[i, j] = True
+                    break
+    return found

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.extraction.height_kernels import heights_above, window_means
+from shapeconcepts.extraction.height_kernels import heights_above, in_lines, window_means
 from shapeconcepts.extraction.supporting_planes import HIGHEST, MARGIN, SupportingPlane
 
 # Standard deviations of the mean height over a window of a bare surface: from so many on there is something,
@@ -17,6 +17,12 @@ HIGH, LOW = 3.6, 2.0
 _LEAST_HIGH, _LEAST_LOW = 0.0025, 0.0012
 # Pixels around the middle one.
 _WINDOW = 2
+# Lines of so many places, pixels from one to the next, and directions. Standard deviations by which a place
+# is high, by which the mean of its line is, and from which on more does not count; metres of what is tall.
+_PLACES, _PLACE, _DIRECTIONS = 5, 3, 16
+_IN_LINE = (2.5, 3.1, 4.0, 0.02)
+# Metres outside of its outline up to which a surface may go on.
+_BEYOND = 0.3
 # Of the surface's own level: pixels in a block, and blocks around the middle one.
 _BLOCK, _BLOCKS = 4, 6
 _LEAST_BARE = 0.05
@@ -40,6 +46,8 @@ class Heights(NamedTuple):
         Whether what is there cannot be noise.
     low : float32
         Height from which on a point beside it belongs to it; infinite where there is no surface below.
+    is_beside : bool
+        Whether the point may be one of a surface that is not seen around it.
     """
 
     height: NDArray[np.float32]
@@ -48,6 +56,7 @@ class Heights(NamedTuple):
     is_above: NDArray[np.bool_]
     is_high: NDArray[np.bool_]
     low: NDArray[np.float32]
+    is_beside: NDArray[np.bool_]
 
 
 def measure_heights(
@@ -61,7 +70,8 @@ def measure_heights(
     What a depth camera sees of a plane is bent by some millimetres, and has dents of a few, which an object
     of half a centimetre does not survive. So the surface is a paraboloid that is fitted to the plane's
     points, and its level at each point is the mean around it of what is not high. What is high beside the
-    noise that the bare surface really has at this distance is something.
+    noise that the bare surface really has at this distance is something, and so is what is only a little high
+    if a line of such points goes on from it: the handle of a fork, wherever it points.
 
     Parameters
     ----------
@@ -78,14 +88,15 @@ def measure_heights(
     bends = np.zeros((len(planes), _N_COEFFICIENTS))
     step = (slice(None, None, _BLOCK), slice(None, None, _BLOCK))
     some = np.ascontiguousarray(points[step])
-    found = heights_above(some, viewpoint, flat, outlines, starts, bends, MARGIN, noise)
+    limits = MARGIN, _BEYOND, noise
+    found = heights_above(some, viewpoint, flat, outlines, starts, bends, *limits)
     for number, plane in enumerate(planes):
         bends[number] = _bend(plane, number, some, *found)
-    height, noises, numbers = heights_above(points, viewpoint, flat, outlines, starts, bends, MARGIN, noise)
+    height, noises, numbers = heights_above(points, viewpoint, flat, outlines, starts, bends, *limits)
+    is_beside = numbers == -2
     numbers[height > HIGHEST] = -1
     is_above = numbers >= 0
-    limits = 8.0 * noises + np.float32(0.004)
-    smooth = window_means(height, limits, _WINDOW)
+    smooth = window_means(height, 8.0 * noises + np.float32(0.004), _WINDOW)
     high = np.full(height.shape, np.inf, np.float32)
     low = high.copy()
     for number in range(len(planes)):
@@ -99,7 +110,16 @@ def measure_heights(
     is_high = is_above & (smooth > high)
     level = _level(height, is_above & ~is_high & (np.abs(height) < high))
     height, smooth = height - level, smooth - level
-    return Heights(height, smooth, level, is_above, is_above & (smooth > high), low)
+    is_high = smooth > high
+    is_high |= in_lines(smooth, low / np.float32(LOW), _lines(), *_IN_LINE)
+    return Heights(height, smooth, level, is_above, is_above & is_high, low, is_beside)
+
+
+def _lines() -> NDArray[np.int64]:
+    """Rows and columns (d, k, 2) from a pixel to the places of a line in each direction."""
+    turns = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)
+    along = np.stack([np.sin(turns), np.cos(turns)], axis=1)
+    return np.rint(along[:, None] * _PLACE * np.arange(_PLACES)[:, None]).astype(np.int64)
 
 
 def _bend(
