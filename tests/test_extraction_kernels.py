@@ -14,7 +14,12 @@ from shapeconcepts.extraction.component_kernels import (
     near_pairs,
     silhouettes,
 )
-from shapeconcepts.extraction.height_kernels import heights_above, in_lines, window_means
+from shapeconcepts.extraction.height_kernels import (
+    block_sums,
+    heights_above,
+    in_lines,
+    window_means,
+)
 from shapeconcepts.extraction.pixel_kernels import largest_coordinate, measured_points
 from shapeconcepts.extraction.planar_cells_kernels import cell_moments, fit_planes
 
@@ -65,6 +70,16 @@ def test_window_means_are_plain_means(rng):
         window = values[max(i - 2, 0) : i + 3, max(j - 2, 0) : j + 3]
         expected = np.nanmean(np.clip(window, -0.8, 0.8)) if np.isfinite(values[i, j]) else np.nan
         assert means[i, j] == pytest.approx(expected, abs=1e-5, nan_ok=True)
+
+
+def test_blocks_are_summed_to_the_border(rng):
+    values, counts = rng.normal(size=(10, 7)).astype(np.float32), rng.random((10, 7)) < 0.6
+    sums, numbers = block_sums(values, counts, 4)
+    assert sums.shape == numbers.shape == (3, 2)
+    for row, column in np.ndindex(3, 2):
+        block = (slice(4 * row, 4 * row + 4), slice(4 * column, 4 * column + 4))
+        assert sums[row, column] == pytest.approx(values[block][counts[block]].sum(), abs=1e-5)
+        assert numbers[row, column] == counts[block].sum()
 
 
 def test_planes_of_cells_are_those_of_eigenvectors(rng):

@@ -190,3 +190,19 @@ def in_lines(
                     found[i, j] = True
                     break
     return found
+
+
+@kernel
+def block_sums(
+    values: NDArray[np.float32], counts: NDArray[np.bool_], size: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Sums of the values that count in square blocks of so many pixels, and how many they are."""
+    height, width = values.shape
+    rows, columns = -(-height // size), -(-width // size)
+    sums, numbers = np.zeros((rows, columns)), np.zeros((rows, columns))
+    for i in range(height):
+        for j in range(width):
+            if counts[i, j]:
+                sums[i // size, j // size] += values[i, j]
+                numbers[i // size, j // size] += 1.0
+    return sums, numbers

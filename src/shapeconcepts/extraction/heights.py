@@ -7,7 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from shapeconcepts.extraction.height_kernels import heights_above, in_lines, window_means
+from shapeconcepts.extraction.height_kernels import (
+    block_sums,
+    heights_above,
+    in_lines,
+    window_means,
+)
 from shapeconcepts.extraction.supporting_planes import HIGHEST, MARGIN, SupportingPlane
 
 # Standard deviations of the mean height over a window of a bare surface: from so many on there is something,
@@ -149,11 +154,7 @@ def _bend(
 
 def _level(height: NDArray[np.float32], is_bare: NDArray[np.bool_]) -> NDArray[np.float32]:
     """Mean height of the bare surface around each point; 0 where next to nothing of it is bare."""
-    rows, columns = -(-height.shape[0] // _BLOCK), -(-height.shape[1] // _BLOCK)
-    padding = ((0, rows * _BLOCK - height.shape[0]), (0, columns * _BLOCK - height.shape[1]))
-    blocks = (rows, _BLOCK, columns, _BLOCK)
-    sums = np.pad(np.where(is_bare, height, 0.0), padding).reshape(blocks).sum(axis=(1, 3), dtype=np.float64)
-    counts = np.pad(is_bare, padding).reshape(blocks).sum(axis=(1, 3), dtype=np.float64)
+    sums, counts = block_sums(height, is_bare, _BLOCK)
     sums, counts = _window_sums(sums), _window_sums(counts)
     enough = counts > _LEAST_BARE * ((2 * _BLOCKS + 1) * _BLOCK) ** 2
     level = np.where(enough, sums / np.maximum(counts, 1.0), 0.0).astype(np.float32)
