@@ -40,6 +40,8 @@ COMMANDS = (
     "motif_speed.py",
     "spanning_tree.py --large --scipy",
     "filtration_growth.py",
+    "labelling.py",
+    "explore_kills.py",
     "extraction.py osd",
     "extraction.py simulated --seed 800",
     "extraction.py time",

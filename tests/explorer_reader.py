@@ -12,7 +12,7 @@ from urllib.request import Request, urlopen
 @contextmanager
 def explored(model: Path, *places: Path) -> Iterator[str]:
     """Address of an explorer that runs meanwhile."""
-    command = [sys.executable, "-m", "shapeconcepts", "explore", str(model), "--no-browser"]
+    command = [sys.executable, "-m", "shapeconcepts", "explore", str(model), "--no-browser", "--no-cache"]
     command += [argument for place in places for argument in ("--scans", str(place))]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         try:
