@@ -17,8 +17,7 @@ def normal_of(matrix: np.ndarray) -> np.ndarray:
     return smallest_eigenvectors(upper[:, None].copy())[0]
 
 
-# Of the closed form where two eigenvalues nearly coincide: some square roots of the last bit.
-def assert_smallest(matrix: np.ndarray, tolerance: float = 2e-7) -> None:
+def assert_smallest(matrix: np.ndarray, tolerance: float = 1e-7) -> None:
     normal = normal_of(matrix)
     values = np.linalg.eigvalsh(matrix)
     assert np.linalg.norm(normal) == pytest.approx(1.0, abs=1e-12)

@@ -66,7 +66,8 @@ def smallest_eigenvectors(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
         vectors[i, 0], vectors[i, 1], vectors[i, 2] = x0 / length, y0 / length, z0 / length
         squared_lengths[i] = n0
     for i in range(m):
-        if squared_lengths[i] < 1e-12:
+        # Eigenvalues that differ by less than some 1e-7 of the largest: the eigenvector is left open then.
+        if squared_lengths[i] < 4e-13:
             a, b, c = matrices[0, i] - smallest[i], matrices[3, i] - smallest[i], matrices[5, i] - smallest[i]
             vectors[i] = _any_perpendicular(a, b, c, matrices[1, i], matrices[2, i], matrices[4, i])
     return vectors

@@ -66,7 +66,7 @@ def read_ply(data: bytes) -> Cloud | Mesh:
     is_text = byte_order == "="
     rows = _Rows(lambda _: [], [], body)
     if is_text:
-        rows = rows._replace(lines=[line for line in decoded_lines(data[body:]) if line.strip()], end=0)
+        rows = rows._replace(lines=_lines_with_content(data[body:]), end=0)
     for element in elements[: place + 1]:
         rows = _next_rows(rows, data, element, is_text)
     points = np.column_stack([column.astype(np.float64) for column in rows.columns([*"xyz"])])
@@ -88,6 +88,10 @@ def read_ply(data: bytes) -> Cloud | Mesh:
 
     viewpoint, of_viewpoint = value_or_notice("a viewpoint", declared)
     return Cloud(points, viewpoint, labels, of_viewpoint + of_labels)
+
+
+def _lines_with_content(data: bytes) -> list[str]:
+    return [line for line in decoded_lines(data) if line.strip()]
 
 
 def _face_element(after_vertices: list[Element]) -> Element | None:
