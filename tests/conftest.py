@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from explorer_reader import explored
+from explorer_reader import explored, opened
 from model_file_examples import LIKE_THE_PAPER, fitted_model
+from report_reader import started_browser
 from shapeconcepts import ShapeConceptModel, read_scans
 from shapeconcepts.datasets import simulate
 from shapeconcepts.io.write_pcd import write_pcd
@@ -75,3 +76,15 @@ def explorer_address(explored_folder):
     """Where an explorer answers."""
     with explored(explored_folder / "m.safetensors", explored_folder / "scans") as address:
         yield address
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A real browser."""
+    yield from started_browser()
+
+
+@pytest.fixture
+def window(browser, explorer_address):
+    """A page of an explorer, which is as it was when the next test begins."""
+    yield from opened(browser, explorer_address)

@@ -1,23 +1,11 @@
 """What the explorer's page shows, in a real browser before a real server."""
 
 import json
-from collections.abc import Iterator
 
 import pytest
 
-from explorer_reader import Window, explored, opened
+from explorer_reader import Window, explored
 from report_models import HOSTILE
-from report_reader import started_browser
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[object]:
-    yield from started_browser()
-
-
-@pytest.fixture
-def window(browser, explorer_address) -> Iterator[Window]:
-    yield from opened(browser, explorer_address)
 
 
 def test_concepts_come_first_with_pictures(window):

@@ -1,6 +1,5 @@
 """The report in a real browser."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -9,14 +8,9 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from report_models import HOSTILE, WITHOUT_CONCEPTS, ball, grouped_stimuli, hostile_model, model_of
-from report_reader import Reader, started_browser
+from report_reader import Reader
 from shapeconcepts.report.html import preview, write_report
 from shapeconcepts.report.html.time_scale import TimeScale
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[object]:
-    yield from started_browser()
 
 
 @pytest.fixture(scope="module")

@@ -2,20 +2,13 @@
 
 import dataclasses
 import re
-from collections.abc import Iterator
 
 import pytest
 
 from report_models import ball, grouped_stimuli, model_of
-from report_reader import Reader, started_browser
+from report_reader import Reader
 from shapeconcepts import ShapeConceptModel
 from shapeconcepts.report.html import preview, write_report
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[object]:
-    yield from started_browser()
-
 
 # Cards out of sight are laid out, too.
 LAY_OUT_ALL = (

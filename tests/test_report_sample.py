@@ -2,24 +2,18 @@
 
 import warnings
 from collections import Counter
-from collections.abc import Iterator
 
 import networkx
 import numpy as np
 import pytest
 
 from report_models import WITHOUT_CONCEPTS, ball, grouped_stimuli, model_of
-from report_reader import Reader, started_browser
+from report_reader import Reader
 from shapeconcepts import Filtration, ShapeConceptModel
 from shapeconcepts.report.html import class_counts, preview, shown_scans, write_report
 from shapeconcepts.report.html.contents import report_contents
 
 WAYS = [("divergence", "persistence"), ("divergence", "annexations"), ("geodesic", "annexations")]
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[object]:
-    yield from started_browser()
 
 
 def many_scans(**parameters: str) -> ShapeConceptModel:

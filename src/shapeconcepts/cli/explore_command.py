@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import sys
 import webbrowser
-from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,6 +13,7 @@ import typer
 from shapeconcepts.cli.options import (
     DepthScale,
     Intrinsics,
+    LearnedScans,
     Mask,
     ModelFile,
     Units,
@@ -31,16 +31,7 @@ _PACKAGES = {"starlette", "uvicorn"}
 
 def explore(
     model: ModelFile,
-    scans: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "--scans",
-            metavar="DATA",
-            show_default=False,
-            help="Where the scans are that the model was learned from, as given to `learn`. May be given "
-            "several times. Without it there are no pictures.",
-        ),
-    ] = None,
+    scans: LearnedScans = None,
     port: Annotated[
         int,
         typer.Option(min=0, max=65535, metavar="N", help="Port on this computer.", show_default="a free one"),

@@ -13,6 +13,7 @@ from shapeconcepts.cli.options import (
     DepthScale,
     Intrinsics,
     Json,
+    LearnedScans,
     Mask,
     ModelFile,
     Units,
@@ -46,16 +47,7 @@ def export(
             "a row for each scan; semantic-kitti, labelcloud, fiftyone: what these read."
         ),
     ] = "folders",
-    scans: Annotated[
-        list[Path] | None,
-        typer.Option(
-            "--scans",
-            metavar="DATA",
-            show_default=False,
-            help="Where the scans are that the model was learned from, as given to `learn`. May be given "
-            "several times. Tables do without it, and without paths.",
-        ),
-    ] = None,
+    scans: LearnedScans = None,
     rerun: Annotated[
         Path | None,
         typer.Option(

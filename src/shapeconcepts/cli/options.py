@@ -45,6 +45,16 @@ Up = Annotated[
         help="Of meshes: the axis that points upwards.", show_default="z; of .glb y, as the format says"
     ),
 ]
+LearnedScans = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--scans",
+        metavar="DATA",
+        show_default=False,
+        help="Where the scans are that the model was learned from, as given to `learn`. May be given several "
+        "times. Without it there are tables, but no pictures and no data sets that hold the scans.",
+    ),
+]
 Mask = Annotated[
     Path | None,
     typer.Option(

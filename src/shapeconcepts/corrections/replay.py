@@ -31,7 +31,8 @@ class Corrected:
         Whether the user said that it is something foreign, or where it belongs.
     names : dict of int to str
         What concepts are called, by key.
-    links : list of Link
+    linked_by : dict of Link to int
+        What is to be together or apart, and the number of the edit that says so.
     unfit : dict of int to str
         Edits that no longer fit, by number, with the reason.
     next_key : int
@@ -44,8 +45,13 @@ class Corrected:
     is_certain: NDArray[np.bool_]
     names: dict[int, str]
     next_key: int
-    links: list[Link] = field(default_factory=list)
+    linked_by: dict[Link, int] = field(default_factory=dict)
     unfit: dict[int, str] = field(default_factory=dict)
+
+    @property
+    def links(self) -> list[Link]:
+        """What is to be together or apart."""
+        return list(self.linked_by)
 
     def is_concept(self, key: int) -> bool:
         """Whether a scan is in it."""
@@ -91,6 +97,10 @@ def replay(
                 renumbered[key] = corrected.next_key
             corrected.next_key = max(corrected.next_key, renumbered.get(key, key) + 1)
         _apply(corrected, _with_keys(edit, renumbered), references, most_alike)
+    for (first, second, together), number in corrected.linked_by.items():
+        one, other = corrected.keys[[first, second]].tolist()
+        if (one == other != NONE) != together:
+            corrected.unfit.setdefault(number, "scans that it links were moved since")
     return corrected
 
 
@@ -131,8 +141,8 @@ def _apply(corrected: Corrected, edit: Edit, references: ScanReferences, most_al
             reasons.append("a scan that it links is no longer there")
         else:
             # What is said of two scans again replaces what was.
-            corrected.links = [link for link in corrected.links if {*link[:2]} != {a, b}]
-            corrected.links.append(Link(a, b, together))
+            kept = {link: by for link, by in corrected.linked_by.items() if {*link[:2]} != {a, b}}
+            corrected.linked_by = {**kept, Link(a, b, together): edit.number}
     if reasons:
         corrected.unfit[edit.number] = "; ".join(reasons)
 
@@ -164,13 +174,3 @@ def _born_of(keys: NDArray[np.int64], is_named: NDArray[np.bool_], next_key: int
     found, counts = np.unique(keys[born], return_counts=True)
     n_named = [int((is_named & (keys == key)).sum()) for key in found]
     return [int(key) for key, n, of in zip(found, n_named, counts, strict=True) if n >= _OF_THEM * of]
-
-
-def contradicted_links(corrected: Corrected) -> list[Link]:
-    """Links that do not hold, as scans were moved since."""
-    keys = corrected.keys
-    return [
-        link
-        for link in corrected.links
-        if ((keys[link.first] == keys[link.second]) & (keys[link.first] != NONE)) != link.together
-    ]
