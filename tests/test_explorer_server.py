@@ -535,6 +535,12 @@ def test_files_outside_of_the_folder_are_not_read(folder: Path, tmp_path: Path) 
             scan = client.get(f"api/scan?row={names.index(name)}")
             assert scan["preview"] is None and "out of the folder" in scan["reason"]
         assert client.get(f"api/scan?row={names.index('can/can_3.pcd')}")["preview"]
+        # Nor do they leave with a data set.
+        _, written = client.post("api/export", {"layout": "folders", "name": "within"})
+        assert not [
+            path for path in (folder / "within").rglob("*") if path.name in ("can_2.pcd", "box_1.pcd")
+        ]
+        assert sum("out of the folder" in reason for reason in written["skipped"]) == 9
 
 
 # What is left.

@@ -24,12 +24,17 @@ class FoundScans:
     places : sequence of Path
         Files and folders. A file that leads out of its folder, by a link, is not read.
     reading : ReadOptions
+
+    Attributes
+    ----------
+    files : list of ScanFile
+        With a failure where they are not to be read.
     """
 
     def __init__(self, names: Sequence[str], places: Sequence[Path], reading: ReadOptions) -> None:
         self._has_places = bool(places)
-        files = [file for place in places for file in _files_within(place)]
-        self._scans = ScansInFiles(names, range(len(names)), files, reading)
+        self.files = [file for place in places for file in _files_within(place)]
+        self._scans = ScansInFiles(names, range(len(names)), self.files, reading)
         self._names, self._missing = names, set(self._scans.missing)
 
     def segmented(self, row: int, segmenter: Segmenter) -> SegmentedObject:

@@ -28,7 +28,7 @@ def write_export(session: Session, layout: object, name: object) -> dict[str, An
         raise ValueError(f"layout must be one of {', '.join(LAYOUTS)}")
     place = _free_place(session.path, name, f".{layout}" if layout in _TABLES else "")
     try:
-        exported = export_scans(session.shown, place, str(layout), scans=session.places, **session.reading)
+        exported = export_scans(session.shown, place, str(layout), scans=session.files, **session.reading)
     except (ScanError, ModuleNotFoundError) as error:
         raise ValueError(str(error)) from None
     except OSError as error:

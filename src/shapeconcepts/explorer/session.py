@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from shapeconcepts.explorer.found_scans import FoundScans
     from shapeconcepts.model import ShapeConceptModel
     from shapeconcepts.segmentation import SegmentedObject
+    from shapeconcepts.sources.collection import ScanFile
     from shapeconcepts.sources.reader import ReadOptions
 
 _SECONDS_BETWEEN_LOOKS = 0.5
@@ -146,6 +147,11 @@ class Session:
         """
         model = self.shown
         return self._found.segmented(row, model.segmenter_)
+
+    @property
+    def files(self) -> list[ScanFile]:
+        """Where the scans may be."""
+        return self._found.files
 
     def path_of(self, row: int) -> Path | None:
         """The file that holds a scan, where that is known."""

@@ -25,7 +25,7 @@ from shapeconcepts.export.training_scans import (
 from shapeconcepts.io.atomic_write import write_atomically
 from shapeconcepts.io.whole_folder import FolderInMaking, folder_written_whole
 from shapeconcepts.scan import Scan, ScanError, scan_errors
-from shapeconcepts.sources.collection import Source, find_scan_files
+from shapeconcepts.sources.collection import ScanFile, Source, find_scan_files
 from shapeconcepts.sources.reader import ReadOptions
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def export_scans(
     out: str | PathLike[str] | None,
     layout: str = "folders",
     *,
-    scans: Source | Sequence[Scan] = (),
+    scans: Source | Sequence[Scan] | Sequence[ScanFile] = (),
     force: bool = False,
     rerun: str | PathLike[str] | None = None,
     **options: Unpack[ReadOptions],
@@ -90,8 +90,9 @@ def export_scans(
         recording is written.
     layout : {"folders", "csv", "parquet", "semantic-kitti", "labelcloud", "fiftyone"}
         See docs/export.md. "parquet" needs the package pyarrow.
-    scans : path, iterable of paths, or sequence of Scan
-        Where the scans are: what was given to `read_scans`. Tables do without it, and without paths.
+    scans : path, iterable of paths, or sequence of Scan or ScanFile
+        Where the scans are: what was given to `read_scans`, or what `find_scan_files` found there. Tables do
+        without it, and without paths.
     force : bool
         Whether what is at `out` may be replaced, with all that is in it.
     rerun : path, optional
@@ -152,18 +153,22 @@ def export_scans(
 
 
 def _found(
-    model: ShapeConceptModel, catalogue: Catalogue, scans: Source | Sequence[Scan], options: ReadOptions
+    model: ShapeConceptModel,
+    catalogue: Catalogue,
+    scans: Source | Sequence[Scan] | Sequence[ScanFile],
+    options: ReadOptions,
 ) -> TrainingScans:
     """The scans of a model, wherever they are."""
     names, wanted = model.scan_names_, [entry.row for entry in catalogue.entries]
     given = [scans] if isinstance(scans, str | PathLike) else list(scans)
     in_memory = [one for one in given if isinstance(one, Scan)]
-    paths = [one for one in given if not isinstance(one, Scan)]
-    if in_memory and paths:
+    found = [one for one in given if isinstance(one, ScanFile)]
+    paths = [one for one in given if not isinstance(one, Scan | ScanFile)]
+    if len(given) > max(len(in_memory), len(found), len(paths)):
         raise ValueError("scans must be paths or Scans, got some of each")
     if in_memory:
         return ScansInMemory(names, wanted, in_memory)
-    return ScansInFiles(names, wanted, find_scan_files(paths) if paths else [], options)
+    return ScansInFiles(names, wanted, find_scan_files(paths) if paths else found, options)
 
 
 def _write_table(place: Path, layout: str, catalogue: Catalogue, found: TrainingScans) -> None:

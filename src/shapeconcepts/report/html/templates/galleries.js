@@ -90,7 +90,7 @@ function fillOutside(section) {
       element("p", { textContent: concepts.length
         ? (isBusiest ? `${plural(counts.loners, "scan")} had not joined ${filtration.minSize - 1} others or more by time ${shownTime(filtration.conceptTime)}. `
           : `${plural(counts.loners, "scan")} found fewer than ${filtration.minSize - 1} others. `) + "Their shapes are rare here, "
-          + "in between, or were seen badly. Those that join another the soonest come first."
+          + "in between, or were seen badly." + (isBusiest ? " Those that join another the soonest come first." : "")
         : "There are no concepts, so all scans are here." }),
       element("div", { className: "card" }, gallery(loners, counts.loners)));
   }
