@@ -40,8 +40,11 @@ class Window:
 
     def open(self) -> "Window":
         self.page.goto(self.address)
-        # The first one waits until the model is read.
         self.page.wait_for_selector("html[data-ready]", state="attached", timeout=60_000)
+        # What comes first tells of the model's outline.
+        self.page.wait_for_function(
+            "() => !document.body.dataset.model.startsWith('outline')", timeout=60_000
+        )
         return self
 
     def press(self, *keys: str) -> None:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shapeconcepts.concepts import ConceptTree
-from shapeconcepts.model import ShapeConceptModel
 from shapeconcepts.report.palette import hexadecimal_segment_colours
-from shapeconcepts.sources.reader import ReadOptions
 from shapeconcepts.version import __version__
+
+if TYPE_CHECKING:
+    from shapeconcepts.concepts import ConceptTree
+    from shapeconcepts.sources.reader import ReadOptions
 
 _LAYOUTS = (
     ("folders", "a folder for each concept, with the files of its scans"),
@@ -23,21 +25,26 @@ _LAYOUTS = (
 
 
 def model_document(
-    model: ShapeConceptModel, title: str, has_scans: bool, reading: ReadOptions
+    names: Sequence[str],
+    labels: Sequence[str | None],
+    skipped: Iterable[int],
+    tree: ConceptTree | None,
+    title: str,
+    has_scans: bool,
+    reading: ReadOptions,
 ) -> dict[str, Any]:
-    """Names, labels and the tree of concepts, ready for JSON."""
-    labels = sorted({label for label in model.scan_labels_ if label is not None})
-    number = {label: i for i, label in enumerate(labels)}
-    tree = model.concept_tree_
+    """Scans, with those that were skipped, and the tree of concepts, ready for JSON."""
+    label_names = sorted({label for label in labels if label is not None})
+    number = {label: i for i, label in enumerate(label_names)}
     return {
         "version": __version__,
         "title": title,
         "scans": {
-            "names": [name or f"scan {row}" for row, name in enumerate(model.scan_names_)],
-            "labels": [-1 if label is None else number[label] for label in model.scan_labels_],
-            "skipped": sorted(model.skipped_),
+            "names": [name or f"scan {row}" for row, name in enumerate(names)],
+            "labels": [-1 if label is None else number[label] for label in labels],
+            "skipped": sorted(skipped),
         },
-        "labelNames": labels,
+        "labelNames": label_names,
         "hasScans": has_scans,
         "reading": {option: str(value) for option, value in reading.items() if value not in (None, "auto")},
         "tree": [] if tree is None else _groups(tree),

@@ -1,4 +1,4 @@
-"""What is told of a session: documents made once for each version, and what was told the last time."""
+"""What is told of a session: documents made once for each version, and others before the model is read."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 class Telling:
     """Tells of a model what its page shows.
 
-    What was told of the same files the last time is told again at once, while the model is still being read.
+    What was told of the same files the last time is told again at once, while the model is still being read;
+    the first time, what its outline tells, unless something was said of it.
 
     Parameters
     ----------
@@ -31,27 +32,22 @@ class Telling:
         self.session, self._previews = session, Previews(self._kept_preview, self._packed_preview)
         self._previews_of = session.model_status
         self._made: dict[str, tuple[str, bytes]] = {}
-        self._recalled: dict[str, bytes] = {}
-        self._recalled_of = self._kept_of = ""
         self._remembered = Remembered(_subject(session)) if remember else None
-        if self._remembered is not None:
-            found = {
-                name: self._remembered.document(name, self._files) for name in ("model", "state", "n_scans")
-            }
-            if all(found.values()):
-                self._recalled = {name: content for name, content in found.items() if content}
-                self._recalled_of = self._files
+        self._kept_of = ""
+        self._recalled = self._told_before()
+        self._recalled_of = self._files if self._recalled else ""
+        self._at_first = self._recalled or self._first_look()
 
     @property
     def is_there(self) -> bool:
         """Whether there is anything to tell."""
-        return self.session.is_read or bool(self._recalled)
+        return self.session.is_read or bool(self._at_first)
 
     @property
     def n_scans(self) -> int:
         """Number of scans of the model."""
-        recalled = None if self.session.is_read else self._recalled.get("n_scans")
-        return int(recalled) if recalled else len(self.session.shown.scan_names_)
+        first = None if self.session.is_read else self._at_first.get("n_scans")
+        return int(first) if first else len(self.session.shown.scan_names_)
 
     def model_json(self) -> bytes:
         """What stays the same until the model's file changes."""
@@ -60,11 +56,13 @@ class Telling:
         def document() -> dict[str, Any]:
             from shapeconcepts.explorer.model_document import model_document
 
-            about = model_document(session.shown, session.path.name, bool(session.places), session.reading)
+            model, title = session.shown, session.path.name
+            scans = model.scan_names_, model.scan_labels_, model.skipped_
+            about = model_document(*scans, model.concept_tree_, title, bool(session.places), session.reading)
             return {**about, "modelVersion": status}
 
-        if not session.is_read and "model" in self._recalled:
-            return self._recalled["model"]
+        if not session.is_read and self._at_first:
+            return self._at_first["model"]
         return self._made_once("model", status, document)
 
     def state_json(self) -> bytes:
@@ -127,6 +125,35 @@ class Telling:
         if self._remembered is not None:
             self._remembered.close()
 
+    def _told_before(self) -> dict[str, bytes]:
+        """Documents as they were told of these files, or none."""
+        if self._remembered is None:
+            return {}
+        found = {name: self._remembered.document(name, self._files) for name in ("model", "state", "n_scans")}
+        return {name: content for name, content in found.items() if content} if all(found.values()) else {}
+
+    def _first_look(self) -> dict[str, bytes]:
+        """Documents of the model as it was learned, or none where something was said of it."""
+        from shapeconcepts.explorer.first_look import first_look
+        from shapeconcepts.model_file.error import ModelError
+
+        session = self.session
+        if session.journal_status:
+            return {}
+        try:
+            model, state = first_look(session.path, bool(session.places), session.reading)
+        except ModelError:
+            # Who reads the model says why.
+            return {}
+        # Another version than that of the whole model, so that a page asks for it.
+        version = f"outline {session.model_status}"
+        n_scans = len(model["scans"]["names"])
+        return {
+            "model": _encoded({**model, "modelVersion": version}),
+            "state": _encoded({**state, "modelVersion": version, "trouble": ""}),
+            "n_scans": b"%d" % n_scans,
+        }
+
     @property
     def _files(self) -> str:
         return f"{self.session.model_status} {self.session.journal_status}"
@@ -137,10 +164,11 @@ class Telling:
 
     def _state(self, version: int) -> bytes:
         session = self.session
-        recalled = self._recalled.get("state")
+        if not session.is_read and self._at_first:
+            return self._at_first["state"]
         # It has doubts and names already, which take their time.
-        if recalled and self._files == self._recalled_of and not session.is_likeness_known:
-            return recalled
+        if self._files == self._recalled_of and not session.is_likeness_known:
+            return self._recalled["state"]
 
         def document() -> dict[str, Any]:
             from shapeconcepts.explorer.state_document import state_document
@@ -179,9 +207,13 @@ class Telling:
         """A document of a version, made when it is first asked for."""
         made_version, content = self._made.get(name, ("", b""))
         if made_version != version or not content:
-            content = json.dumps(document(), allow_nan=False, separators=(",", ":")).encode("ascii")
+            content = _encoded(document())
             self._made[name] = version, content
         return content
+
+
+def _encoded(document: Mapping[str, Any]) -> bytes:
+    return json.dumps(document, allow_nan=False, separators=(",", ":")).encode("ascii")
 
 
 def _subject(session: Session) -> list[str]:

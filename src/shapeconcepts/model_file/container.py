@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -57,17 +59,9 @@ def read_container(path: Path) -> tuple[Tensors, dict[str, Any]]:
     ModelError
         If there is no model of a known version in the file, or it is damaged.
     """
-    try:
-        require(path.exists(), "there is no such file")
-        require(not path.is_dir(), "is a folder")
-        # Reading from a pipe or a device may never end.
-        require(path.is_file(), "is not a regular file")
-        with path.open("rb") as file:
-            size = os.fstat(file.fileno()).st_size
-            places, description = _read_header(file, size)
-            tensors = {name: _read_tensor(file, *place) for name, place in places.items()}
-    except OSError as error:
-        raise ModelError(f"cannot be read ({error.strerror})") from None
+    with _opened(path) as file:
+        places, description = _read_header(file)
+        tensors = {name: _read_tensor(file, *place) for name, place in places.items()}
     found = description.pop("checksum", None)
     expected = _checksum(tensors, description)
     require(
@@ -76,10 +70,37 @@ def read_container(path: Path) -> tuple[Tensors, dict[str, Any]]:
     return tensors, description
 
 
-def _read_header(
-    file: BinaryIO, size: int
-) -> tuple[dict[str, tuple[int, str, tuple[int, ...]]], dict[str, Any]]:
+def read_parts(path: Path, names: Iterable[str]) -> tuple[Tensors, dict[str, Any]]:
+    """Read some of the tensors and the description, without comparing the checksum, which is over all.
+
+    Raises
+    ------
+    ModelError
+        If there is no model of a known version in the file.
+    """
+    with _opened(path) as file:
+        places, description = _read_header(file)
+        tensors = {name: _read_tensor(file, *places[name]) for name in names}
+    description.pop("checksum", None)
+    return tensors, description
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[BinaryIO]:
+    try:
+        require(path.exists(), "there is no such file")
+        require(not path.is_dir(), "is a folder")
+        # Reading from a pipe or a device may never end.
+        require(path.is_file(), "is not a regular file")
+        with path.open("rb") as file:
+            yield file
+    except OSError as error:
+        raise ModelError(f"cannot be read ({error.strerror})") from None
+
+
+def _read_header(file: BinaryIO) -> tuple[dict[str, tuple[int, str, tuple[int, ...]]], dict[str, Any]]:
     """Offset in the file, type and shape of each tensor, and the description."""
+    size = os.fstat(file.fileno()).st_size
     require(size > 0, "is empty")
     start = file.read(8)
     length = int.from_bytes(start, "little")

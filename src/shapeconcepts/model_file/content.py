@@ -1,4 +1,4 @@
-"""Checks of what a file holds, so that nothing in it can lead a kernel astray: the checksum may be forged."""
+"""Checks of the tensors of a file, so that none can lead a kernel astray: the checksum may be forged."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from shapeconcepts.model_file.error import require
-from shapeconcepts.model_file.layout import FIELDS, STAGES, Tensors, check_names
+from shapeconcepts.model_file.layout import Tensors
 from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
+from shapeconcepts.motifs.hierarchy import N_OTHERS
 
 # What float32 loses in the sum of a histogram.
 _SUM_TOLERANCE = 1e-4
@@ -19,72 +20,6 @@ _SUM_TOLERANCE = 1e-4
 _HALF_SUM_TOLERANCE = 2e-3
 # Far above any scale of a component, far below what overflows when squared.
 _LARGEST_WEIGHT = 1e30
-
-
-def check_description(description: dict[str, Any], n_scans: int, n_concepts: int) -> None:
-    """Require names, labels and numbers of the right types and counts; not the parameters.
-
-    Raises
-    ------
-    ModelError
-    """
-    check_names("field", set(description), FIELDS - {"checksum"})
-    for field, length, allowed in [
-        ("scan_names", n_scans, (str,)),
-        ("scan_labels", n_scans, (str, type(None))),
-        ("concept_names", n_concepts, (str,)),
-    ]:
-        values = description[field]
-        is_list = isinstance(values, list) and len(values) == length
-        require(is_list, f"{field} must be a list of {length} names, got {_outline(values)}")
-        for position, value in enumerate(values):
-            require(isinstance(value, allowed), f"{field}[{position}] must be a string, got {value!r:.60}")
-    keys, n_identities = description["concept_keys"], description["n_identities"]
-    require(
-        type(n_identities) is int and n_identities >= 0,
-        f"n_identities must be a number of concepts, got {n_identities!r:.60}",
-    )
-    are_keys = isinstance(keys, list) and all(type(key) is int and 0 <= key < n_identities for key in keys)
-    require(
-        are_keys and len(keys) == n_concepts == len(set(keys)),
-        f"concept_keys must hold {n_concepts} different numbers below {n_identities}, got {keys!r:.60}",
-    )
-    stages = description["stages"]
-    require(isinstance(stages, dict), f"stages must be a JSON object, got {stages!r:.60}")
-    check_names("stage", set(stages), STAGES)
-    skipped = description["skipped"]
-    require(isinstance(skipped, list), f"skipped must be a list, got {_outline(skipped)}")
-    for entry in skipped:
-        is_pair = isinstance(entry, list) and len(entry) == 2
-        require(
-            is_pair and type(entry[0]) is int and isinstance(entry[1], str),
-            f"skipped must hold numbers of scans with a reason, got {entry!r:.60}",
-        )
-    numbers = [entry[0] for entry in skipped]
-    is_rising = numbers == sorted(set(numbers)) and all(0 <= number < n_scans for number in numbers)
-    require(
-        is_rising and len(numbers) < n_scans,
-        f"skipped must name some of the scans 0 to {n_scans - 1}, rising, got {numbers!r:.60}",
-    )
-    names = description["group_names"]
-    require(isinstance(names, list), f"group_names must be a list, got {_outline(names)}")
-    for entry in names:
-        is_pair = isinstance(entry, list) and len(entry) == 2
-        require(
-            is_pair and type(entry[0]) is int and isinstance(entry[1], str),
-            f"group_names must hold numbers of groups with a name, got {entry!r:.60}",
-        )
-    for field in ("concept_time", "epsilon_max", "granularity", "largest_divergence"):
-        value = description[field]
-        require(
-            _is_share(value) or (value is None and field != "largest_divergence"),
-            f"{field} must be a number from 0 to 1, got {value!r:.60}",
-        )
-    has_time = description["concept_time"] is not None
-    require(
-        has_time == (n_concepts > 0),
-        f"concept_time must be a number where there are concepts, and only there: {n_concepts} concepts",
-    )
 
 
 def check_content(tensors: Tensors, skipped: list[int], columns_are: str) -> None:
@@ -135,6 +70,7 @@ def _check_motifs(tensors: Tensors) -> None:
     levels, words, edges = (
         tensors["motifs.dictionary_levels"], tensors["motifs.words"], tensors["motifs.edges"],
     )  # fmt: skip
+    _check_width("motifs.words", words, MAX_SEGMENTS)
     _check_range(tensors, "motifs.dictionary_levels", 1, len(sizes))
     _check_range(tensors, "motifs.motif_levels", 1, MAX_SEGMENTS)
     is_rising = (words[:, 1:] >= words[:, :-1]).all(axis=1)
@@ -178,6 +114,7 @@ def _check_prototypes(tensors: Tensors, n_objects: int) -> None:
     _check_range(tensors, "prototypes.objects", 0, n_objects - 1)
     counts, steps = tensors["prototypes.counts"], np.diff(objects, prepend=-1, append=n_objects)
     _check_range(tensors, "prototypes.counts", 1, n_objects * 2**MAX_SEGMENTS)
+    _check_width("prototypes.others", tensors["prototypes.others"], N_OTHERS)
     _check_range(tensors, "prototypes.others", -1, n_objects - 1)
     is_thinned = counts.sum() > len(counts)
     require(
@@ -284,6 +221,10 @@ def _check_response(tensors: Tensors) -> None:
     _check_range(tensors, "response.whitening", -_LARGEST_WEIGHT, _LARGEST_WEIGHT)
 
 
+def _check_width(name: str, rows: NDArray[Any], n_columns: int) -> None:
+    require(rows.shape[1] == n_columns, f"tensor {name} must have {n_columns} columns, has {rows.shape[1]}")
+
+
 def _check_range(tensors: Tensors, name: str, smallest: float, largest: float) -> None:
     values = tensors[name]
     # Written so that NaN is out of range.
@@ -303,11 +244,3 @@ def _require_sorted(name: str, edges: NDArray[np.int32]) -> None:
     step = np.diff(edges, axis=0)
     is_later = (step[:, 0] > 0) | ((step[:, 0] == 0) & (step[:, 1] > 0))
     _require_all(name, is_later, edges[1:], "sorted pairs, each once")
-
-
-def _outline(value: object) -> str:
-    return f"a list of {len(value)}" if isinstance(value, list) else f"{value!r:.60}"
-
-
-def _is_share(value: object) -> bool:
-    return type(value) in (int, float) and 0 <= value <= 1  # type: ignore[operator]

@@ -9,8 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.model_file.error import require
-from shapeconcepts.motifs.decomposition import MAX_SEGMENTS
-from shapeconcepts.motifs.hierarchy import N_OTHERS
 
 FORMAT = 10
 
@@ -28,7 +26,7 @@ LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
     "dictionary.clusters": ("int32", ("segments", "levels")),
     "motifs.dictionary_levels": ("int32", ("motifs",)),
     "motifs.motif_levels": ("int32", ("motifs",)),
-    "motifs.words": ("int32", ("motifs", MAX_SEGMENTS)),
+    "motifs.words": ("int32", ("motifs", "segments of a motif")),
     "motifs.support": ("int64", ("motifs",)),
     "motifs.edges": ("int32", ("links", 2)),
     "prototypes.histograms": ("float32", ("prototypes", "bins")),
@@ -37,7 +35,7 @@ LAYOUT: dict[str, tuple[str, tuple[str | int, ...]]] = {
     "prototypes.constellations": ("int64", ("prototypes",)),
     # What they stand for.
     "prototypes.counts": ("int64", ("prototypes",)),
-    "prototypes.others": ("int32", ("prototypes", N_OTHERS)),
+    "prototypes.others": ("int32", ("prototypes", "others")),
     "objects.histograms": ("float16", ("objects", "bins")),
     # To the nearest other object, as wholes.
     "objects.distances": ("float64", ("objects",)),

@@ -15,7 +15,8 @@ from shapeconcepts.concepts import Concept, ConceptResponse, Filtration
 from shapeconcepts.concepts.novelty import Novelty
 from shapeconcepts.model_file.agreement import check_ensemble, check_filtration, check_response
 from shapeconcepts.model_file.container import read_container
-from shapeconcepts.model_file.content import check_content, check_description
+from shapeconcepts.model_file.content import check_content
+from shapeconcepts.model_file.description import check_description
 from shapeconcepts.model_file.error import ModelError, require
 from shapeconcepts.model_file.history import read_history
 from shapeconcepts.model_file.layout import Tensors, widened

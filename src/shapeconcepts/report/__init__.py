@@ -17,16 +17,22 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from shapeconcepts.report.picture import contact_sheet, draw_points, draw_segments
-
 if TYPE_CHECKING:
     from shapeconcepts.report.explanation_picture import draw_explanation
+    from shapeconcepts.report.picture import contact_sheet, draw_points, draw_segments
 
 __all__ = ["contact_sheet", "draw_explanation", "draw_points", "draw_segments"]
 
+# They need scikit-learn: a picture of segments should not wait for all of it, colours for none of it.
+_HOME_OF = {
+    "contact_sheet": "picture",
+    "draw_explanation": "explanation_picture",
+    "draw_points": "picture",
+    "draw_segments": "picture",
+}
+
 
 def __getattr__(name: str) -> Any:
-    # It needs scikit-learn, for which a picture of segments should not wait.
-    if name != "draw_explanation":
+    if name not in _HOME_OF:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return import_module(".explanation_picture", __name__).draw_explanation
+    return getattr(import_module(f".{_HOME_OF[name]}", __name__), name)

@@ -1,7 +1,7 @@
 // The tree of concepts from coarse to fine, and a slider across it: the groups at another granularity, before they are taken.
 (() => {
   const box = document.getElementById("slider");
-  let bands = null, stops = [];
+  let bands = null, stops = [], bandsOf = null;
 
   // In between the granularities at which the groups change, and the one in use.
   function stopsOf(changes) {
@@ -130,15 +130,18 @@
   }
   onCurrent(() => {
     if (known.tree.length < 2 || current.granularity === null) { box.hidden = true; return; }
-    if (bands === null) {
+    box.hidden = false;
+    // The tree of another model, or the first one.
+    if (bandsOf !== known) {
+      bandsOf = known;
       bands = treeBands(known.tree, (n) => [100, Math.min(6, 100 / n / 2)]);
       stops = stopsOf(known.granularities);
       range.max = stops.length - 1;
-      box.append(element("h2", { className: "left-title", textContent: "From coarse to fine" }), canvas, range, element("div", { className: "slider-note" }, note, buttons));
+      box.replaceChildren(element("h2", { className: "left-title", textContent: "From coarse to fine" }), canvas, range, element("div", { className: "slider-note" }, note, buttons));
     }
     colourBands();
     if (passing?.kind !== "cut") reset();
     else { pass(shownCut(stops[range.value])); describe(); }
   });
-  onPlace(() => { if (bands !== null && passing === null && Number(range.value) !== stopOf(current.granularity)) reset(); });
+  onPlace(() => { if (bandsOf === known && passing === null && Number(range.value) !== stopOf(current.granularity)) reset(); });
 })();

@@ -1,8 +1,11 @@
 // From the first answer of the server on.
 window.addEventListener("hashchange", () => { passing = null; if (current !== null) { showPlace(); } });
 onCurrent(() => { if (passing === null) showPlace(); });
-// How many edits are in force, for who looks on from outside.
-onCurrent(() => { document.body.dataset.edits = current.journal.filter((edit) => !edit.undone).length; });
+// Of which version of the model it is, and how many edits are in force, for who looks on from outside.
+onCurrent(() => {
+  document.body.dataset.model = known.modelVersion;
+  document.body.dataset.edits = current.journal.filter((edit) => !edit.undone).length;
+});
 onCurrent(() => { if (current.trouble) refused(current.trouble); });
 
 // Until what was announced is here: more may be announced meanwhile.
@@ -24,7 +27,9 @@ async function follow(version) {
 }
 
 async function start() {
-  const [model, state] = await Promise.all([awaited("model"), awaited("state")]);
+  let model, state;
+  // More may be known by the time of the second answer.
+  do [model, state] = await Promise.all([awaited("model"), awaited("state")]); while (model.modelVersion !== state.modelVersion);
   takeModel(model);
   document.title = `${known.title} · shapeconcepts`;
   document.getElementById("reading").remove();
