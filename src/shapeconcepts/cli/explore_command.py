@@ -25,6 +25,7 @@ from shapeconcepts.interruption import say_when_interrupted
 
 if TYPE_CHECKING:
     from shapeconcepts.explorer.session import Session
+    from shapeconcepts.explorer.telling import Telling
 
 _PACKAGES = {"starlette", "uvicorn"}
 
@@ -83,11 +84,16 @@ def explore(
         Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
     _open(session)
     say_when_interrupted("")
+    # Beside what keeps the session up: to find out what is alike takes its time.
+    Thread(target=_remember, args=(session, telling), daemon=True).start()
     # Until a signal ends the process: each edit is on the disk as soon as it is made.
     while session.wait():
-        # First: to find out what is alike takes its time.
-        telling.remember()
         session.keep_up()
+
+
+def _remember(session: Session, telling: Telling) -> None:
+    while session.wait():
+        telling.remember()
 
 
 def _open(session: Session) -> None:
