@@ -8,6 +8,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from urllib.request import Request, urlopen
 
+from shapeconcepts.explorer.server import ExplorerServer
+from shapeconcepts.explorer.session import Session
+from shapeconcepts.explorer.telling import Telling
+
 
 @contextmanager
 def explored(model: Path, *places: Path) -> Iterator[str]:
@@ -19,6 +23,24 @@ def explored(model: Path, *places: Path) -> Iterator[str]:
             yield process.stdout.readline().strip()
         finally:
             process.kill()
+
+
+@contextmanager
+def window_on(browser, session: Session) -> Iterator["Window"]:
+    """A window on a session, whose model need not be read yet."""
+    telling = Telling(session, remember=False)
+    server = ExplorerServer(telling)
+    server.start()
+    window = Window(browser, server.address)
+    window.page.goto(window.address)
+    window.page.wait_for_selector("html[data-ready]", state="attached")
+    try:
+        yield window
+    finally:
+        window.close()
+        session.close()
+        server.stop()
+        telling.close()
 
 
 class Window:

@@ -3,17 +3,15 @@
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 import shapeconcepts as sc
-from explorer_reader import Window
-from model_file_examples import DESCRIPTOR, LIKE_THE_PAPER, described_objects, fitted_model, forge
+from explorer_reader import window_on
+from model_file_examples import LIKE_THE_PAPER, fitted_model, forge
 from shapeconcepts.explorer.first_look import first_look
 from shapeconcepts.explorer.model_document import model_document
-from shapeconcepts.explorer.server import ExplorerServer
 from shapeconcepts.explorer.session import Session
 from shapeconcepts.explorer.state_document import state_document
 from shapeconcepts.explorer.telling import Telling
@@ -108,53 +106,15 @@ def test_what_was_said_is_never_left_out(saved: Path) -> None:
     assert not Telling(Session(saved, (), {}), remember=False).is_there
 
 
-@pytest.fixture
-def session(saved: Path) -> Iterator[Session]:
-    """One whose model is not read yet."""
+def test_a_page_that_was_there_first_gets_the_rest(browser, saved: Path) -> None:
     session = Session(saved, (), {})
-    yield session
-    session.close()
-
-
-@pytest.fixture
-def window_before(browser, session: Session) -> Iterator[Window]:
-    """A window on it."""
-    telling = Telling(session, remember=False)
-    server = ExplorerServer(telling)
-    server.start()
-    window = Window(browser, server.address)
-    window.page.goto(window.address)
-    window.page.wait_for_selector("html[data-ready]", state="attached")
-    yield window
-    window.close()
-    server.stop()
-    telling.close()
-
-
-def test_a_page_that_was_there_first_gets_the_rest(window_before: Window, session: Session) -> None:
-    page, concepts = window_before.page, window_before.state()["concepts"]
-    assert page.locator("#left .concepts li").count() == len(concepts) > 1
-    assert "the first" in page.locator("#left .concepts").inner_text()
-    assert page.locator(".tile:not([aria-hidden])").count() > 0
-    assert page.locator("#slider input").count() == 0
-    session.open()
-    page.wait_for_selector("#slider input")
-    assert page.locator("#left .concepts li").count() == len(concepts)
-    assert window_before.complaints == []
-
-
-def test_the_tree_is_that_of_the_model_that_is_there_now(window_before: Window, session: Session) -> None:
-    page = window_before.page
-    session.open()
-    page.wait_for_selector("#slider input")
-    before = int(page.locator("#slider input").get_attribute("max"))
-    assert before >= 2
-    objects = [one for number, one in enumerate(described_objects(10)) if number % 4 < 2]
-    model = sc.ShapeConceptModel(descriptor=DESCRIPTOR).set_params(ensemble__dictionary__n_levels=3)
-    model.fit(objects).save(session.path)
-    session.keep_up()
-    page.wait_for_function("n => Number(document.querySelector('#slider input')?.max ?? 0) < n", arg=before)
-    assert int(page.locator("#slider input").get_attribute("max")) == len(
-        set(model.concept_tree_.granularities)
-    )
-    assert window_before.complaints == []
+    with window_on(browser, session) as window:
+        page, concepts = window.page, window.state()["concepts"]
+        assert page.locator("#left .concepts li").count() == len(concepts) > 1
+        assert "the first" in page.locator("#left .concepts").inner_text()
+        assert page.locator(".tile:not([aria-hidden])").count() > 0
+        assert page.locator("#slider input").count() == 0
+        session.open()
+        page.wait_for_selector("#slider input")
+        assert page.locator("#left .concepts li").count() == len(concepts)
+        assert window.complaints == []

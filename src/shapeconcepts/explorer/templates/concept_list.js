@@ -18,6 +18,7 @@
     }
     return drawn.get(key);
   }
+  onOtherScans(() => drawn.clear());
   const inSight = new IntersectionObserver((all) => {
     for (const { target, isIntersecting } of all) {
       if (isIntersecting) { if (target.shown !== target.row) showPreview(target, target.row, 48, (_, row) => { target.shown = row; }); }

@@ -241,6 +241,8 @@ const gallery = (() => {
     list.focus({ preventScroll: true });
   });
 
+  onOtherScans(() => { chosen.clear(); active = anchor = -1; });
+
   let isScrolling = false;
   scroller.addEventListener("scroll", () => {
     if (isScrolling) return;

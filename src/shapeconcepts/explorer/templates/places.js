@@ -70,6 +70,7 @@ function placeAt(address) {
 let place = null;
 // A preview of another granularity is at no address.
 let passing = null;
+onOtherScans(() => { passing = null; });
 const placeFollowers = [];
 function onPlace(follower) { placeFollowers.push(follower); }
 function showPlace() {

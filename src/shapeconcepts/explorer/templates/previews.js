@@ -10,6 +10,14 @@ function used(map, key) {
   return value;
 }
 
+onOtherScans(() => {
+  for (const batch of batches) batch.abort.abort();
+  records.clear();
+  pictures.clear();
+  waiting.clear();
+  nPixels = 0;
+});
+
 const sidesOf = (row) => records.get(row)?.sides ?? null;
 
 // Draws a scan's preview on a canvas, now or when it is there; `then` is called with whether there is one.
@@ -83,9 +91,10 @@ async function fetchBatch(rows) {
   batches.add(batch);
   try {
     const answer = await asked(`previews?rows=${rows.join(",")}`, { signal: batch.abort.signal });
-    takePreviews(await answer.arrayBuffer());
+    const made = await answer.arrayBuffer();
+    if (!batch.abort.signal.aborted) takePreviews(made);
   } catch (failure) {
-    if (failure instanceof Refusal && failure.status !== 503) rows.forEach((row) => records.set(row, null));
+    if (failure instanceof Refusal && failure.status !== 503 && !batch.abort.signal.aborted) rows.forEach((row) => records.set(row, null));
     else if (failure.name !== "AbortError") await pause(500);
   } finally {
     batches.delete(batch);

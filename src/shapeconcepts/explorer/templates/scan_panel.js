@@ -122,6 +122,7 @@
 
   gallery.onSelection(() => show(gallery.active()));
   onCurrent(() => { answers.clear(); if (shown !== null) { const row = shown; shown = undefined; const { yaw, pitch } = canvas; show(row); Object.assign(canvas, { yaw, pitch }); canvas.redraw(); } });
+  onOtherScans(() => show(null));
   show(null);
 })();
 

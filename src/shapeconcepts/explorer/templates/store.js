@@ -7,8 +7,14 @@ let membersByKey = new Map(), foreign = new Set(), positionOf = new Map(), lower
 const followers = [];
 function onCurrent(follower) { followers.push(follower); }
 
+// Whoever keeps something of rows, for when these are other scans.
+const forgetters = [];
+function onOtherScans(forgetter) { forgetters.push(forgetter); }
+
 function takeModel(document) {
+  const before = known?.scans.names ?? [];
   known = document;
+  if (before.some((name, row) => name !== known.scans.names[row])) for (const forget of forgetters) forget();
   lowered = known.scans.names.map((name) => name.toLowerCase());
   isSkipped = new Set(known.scans.skipped);
   useSegmentColours(known.segmentColours);
