@@ -24,6 +24,7 @@ from shapeconcepts.descriptors import (
     scans_in,
 )
 from shapeconcepts.descriptors.registry import DEFAULT, DESCRIPTORS
+from shapeconcepts.heap import give_back
 from shapeconcepts.model_file import ModelState, read_state, write_state
 from shapeconcepts.model_file.layout import STAGES
 from shapeconcepts.motifs import MotifHierarchyEnsemble
@@ -194,10 +195,12 @@ class ShapeConceptModel(Corrections, StagesMixin, ClusterMixin, BaseEstimator):
         ensemble.set_params(n_jobs=self.n_jobs).fit(described)
         # The ensemble knows all of them that is needed.
         del described
+        give_back()
         stimuli = with_empty_rows(ensemble.stimuli_, [i not in skipped for i in range(len(names))])
         if hasattr(filtration, "n_jobs"):
             filtration.n_jobs = self.n_jobs
         filtration.fit(stimuli)
+        give_back()
         response.fit(stimuli, filtration.labels_)
         hierarchies = getattr(ensemble, "hierarchies_", None)
         novelty = hierarchies and Novelty(hierarchies.object_histograms, n_jobs=self.n_jobs)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from shapeconcepts.heap import give_back
 from shapeconcepts.model_file.container import write_container
 from shapeconcepts.model_file.error import ModelError
 from shapeconcepts.model_file.layout import FORMAT, Tensors, checked_tensors
@@ -36,8 +37,10 @@ def write_state(path: str | PathLike[str], state: ModelState) -> None:
     try:
         description = json.loads(json.dumps(_description(state), allow_nan=False))
         tensors = checked_tensors(_tensors(state))
+        give_back()
         # A file that could not be loaded again would be worth nothing.
         restore_state(tensors, description)
+        give_back()
     except (ModelError, TypeError, ValueError) as error:
         raise ModelError(f"model cannot be saved: {error}") from None
     write_container(Path(path), tensors, description)

@@ -16,6 +16,7 @@ from sklearn.utils._set_output import _get_output_config
 from sklearn.utils.validation import check_is_fitted
 
 from shapeconcepts.descriptors.described_object import DescribedObject
+from shapeconcepts.heap import give_back
 from shapeconcepts.motifs.dictionary import SegmentDictionary
 from shapeconcepts.motifs.explanation import Explanation, explain
 from shapeconcepts.motifs.hierarchy import MotifHierarchies
@@ -399,6 +400,7 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         known_rows = self.stimuli_ if is_known else None
         n_known = len(before.prototypes) if is_known else 0
         thinning = Thinning.of(seen.prototypes, n_known, self.max_columns, resolution, self.n_jobs)
+        give_back()
         imagined = imagined.with_objects(objects, seen, thinning.kept, n_occlusions, resolution)
         self._remember(dictionary, thinning.applied(seen), imagined)
         rows = self._training_rows(seen, before.n_objects if is_known else 0)
@@ -435,7 +437,9 @@ class MotifHierarchyEnsemble(StagesMixin, TransformerMixin, BaseEstimator):
         if self.dictionary is not None and hasattr(self.dictionary, "words_"):
             return self.dictionary
         dictionary: SegmentDictionary = self._stage("dictionary")
-        return dictionary.fit(np.concatenate([one.segment_histograms for one in objects]))
+        dictionary.fit(np.concatenate([one.segment_histograms for one in objects]))
+        give_back()
+        return dictionary
 
     def _activations(self, X: Iterable[DescribedObject]) -> list[Activation]:
         """Constellations of new objects, of which nothing is left out."""

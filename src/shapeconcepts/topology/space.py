@@ -12,6 +12,7 @@ from scipy.sparse import csr_matrix, sparray, spmatrix
 from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_non_negative, validate_data
 
+from shapeconcepts.heap import give_back
 from shapeconcepts.parallel import map_in_order
 from shapeconcepts.parameters import check_parameters, whole_number
 from shapeconcepts.topology.divergence import DivergenceIndex, normalised_rows
@@ -97,6 +98,7 @@ class TopologicalSpace(BaseEstimator):
         self.multiplicities_ = np.bincount(self.vertices_[self.vertices_ >= 0], minlength=len(first))
         self.rows_ = csr_matrix(rows[first])
         del X, rows
+        give_back()
         edges, divergences = self._tree()
         edges.sort(axis=1)
         order = np.lexsort(edges.T[::-1])
