@@ -19,11 +19,15 @@ from shapeconcepts.extraction.component_kernels import (
 from shapeconcepts.extraction.heights import Heights
 from shapeconcepts.extraction.hollow import hollow_pairs
 from shapeconcepts.extraction.pixel_grid import PixelGrid
+from shapeconcepts.extraction.slender import go_on_along_lines
 
 # Metres above the surface from which on something is tall: it does not end in the noise of the surface.
 TALL = 0.018
 # Of something tall, at least such a share is so many times as high.
 _WELL_TALL, _SHARE_WELL_TALL = 1.4, 0.1
+# Share of the change in distance that parts surfaces, from which on it parts what is tall. What it parts of
+# one object is near in space along the edge.
+JUMP = 0.6
 # Metres between parts of one object, beside their noise.
 REACH = 0.012
 _FEWEST_NEAR = 6
@@ -39,7 +43,9 @@ _GROWTH = 4
 # Metres above the surface of what stands on nothing, and the share of its lower border that something hides.
 FLOATS = 0.04
 HIDDEN = 0.1
-_LEAST_ADJACENT = 12
+_LEAST_BESIDE = 12
+# Metres between parts of one object that a jump in distance parts.
+APART = 0.08
 # Share of the height of something low at which it ends.
 TRIM = 0.3
 # Square metres of what may be furniture if it is not above any, and rows to the next one that is looked at.
@@ -69,7 +75,7 @@ def find_fragments(
     """
     points, distances, jumps = grid.points, grid.distances, grid.jumps
     is_tall = is_free & (~heights.is_above | (heights.height > TALL))
-    numbers, n_tall = _components(is_tall, grid, _LEAST_TALL)
+    numbers, n_tall = _components(is_tall, grid._replace(jumps=np.float32(JUMP) * jumps), _LEAST_TALL)
     if n_tall:
         is_hardly = _hardly_tall(numbers, n_tall, heights)
         if is_hardly.any():
@@ -86,7 +92,9 @@ def find_fragments(
         adjacent = near_pairs(numbers, n_tall, points, everywhere, 2)
         adjacent *= _pairs_of_things(numbers, n_tall, grid, heights)
         together = hollow_pairs(numbers, n_tall, adjacent, grid, heights)
-        together |= _floating_pairs(numbers, n_tall, adjacent, grid, heights)
+        beside = near_pairs(numbers, n_tall, points, np.full(distances.shape, APART, np.float32), 2)
+        beside *= _pairs_of_things(numbers, n_tall, grid, heights)
+        together |= _floating_pairs(numbers, n_tall, beside, grid, heights)
         numbers, n_tall = joined(numbers, n_tall, together)
     is_low = is_free & heights.is_high & ~is_tall
     with_foot = numbers.copy()
@@ -101,6 +109,7 @@ def find_fragments(
         numbers = np.where((low >= 0) & (with_foot >= 0), with_foot, numbers)
     grow_components(numbers, is_free & heights.is_above, distances, jumps, _GROWTH)
     _trim(numbers, n_tall, n_tall + n_low, heights)
+    go_on_along_lines(numbers, n_tall, n_tall + n_low, grid, heights)
     _fill(numbers, n_tall + n_low, grid, heights)
     return numbers, n_tall + n_low
 
@@ -161,17 +170,18 @@ def _fill(numbers: NDArray[np.int32], n: int, grid: PixelGrid, heights: Heights)
 
 
 def _floating_pairs(
-    numbers: NDArray[np.int32], n: int, adjacent: NDArray[np.int64], grid: PixelGrid, heights: Heights
+    numbers: NDArray[np.int32], n: int, beside: NDArray[np.int64], grid: PixelGrid, heights: Heights
 ) -> NDArray[np.bool_]:
-    """Parts that stand on nothing, with what they are beside in the image for the most part, (n, n) bool."""
+    """Parts that stand on nothing, with what they are beside for the most part, (n, n) bool."""
     together = np.zeros((n, n), bool)
-    lowest = np.full(n, np.inf)
+    lowest = np.full(n, np.inf, np.float32)
     own = numbers >= 0
-    np.minimum.at(lowest, numbers[own], np.where(heights.is_above[own], heights.height[own], 0.0))
+    bottoms = np.where(heights.is_above[own], heights.height[own], np.float32(0.0))
+    np.minimum.at(lowest, numbers[own], bottoms)
     hidden, sides = hidden_sides(numbers, n, grid.distances, grid.jumps, *_downwards(grid))
     for one in np.flatnonzero((lowest > FLOATS) & (hidden < HIDDEN * sides)):
-        other = int(adjacent[one].argmax())
-        together[one, other] = together[other, one] = adjacent[one, other] >= _LEAST_ADJACENT
+        other = int(beside[one].argmax())
+        together[one, other] = together[other, one] = beside[one, other] >= _LEAST_BESIDE
     return together
 
 

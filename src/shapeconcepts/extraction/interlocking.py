@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from shapeconcepts.extraction.component_kernels import near_pairs
+from shapeconcepts.extraction.fragments import APART
 from shapeconcepts.extraction.heights import Heights
 from shapeconcepts.extraction.pixel_grid import PixelGrid
 
@@ -22,8 +23,6 @@ _MOST_POINTS = 400
 INTO = 0.01
 # Metres beside an outline that are near, of what ends so high above the surface that it does not stand on it.
 BESIDE, HANGS = 0.03, 0.02
-# Metres between the nearest points of both.
-APART = 0.08
 # What stands on another one: metres outside of its outline, share within it, metres below its top, and above
 # the surface.
 _WITHIN, _SHARE_WITHIN, _BELOW_TOP, _ON_TOP = 0.005, 0.5, 0.012, 0.04

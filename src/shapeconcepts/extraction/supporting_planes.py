@@ -108,7 +108,10 @@ def is_inside(plane: SupportingPlane, points: NDArray[np.float64]) -> NDArray[np
 def signed_sides(plane: SupportingPlane, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Metres by which points (n, 3) are outside of the outline of a plane, (n,); negative within."""
     along = (points - plane.point) @ plane.axes.T
-    return np.asarray((along @ plane.outline[:, :2].T + plane.outline[:, 2]).max(axis=1, initial=-np.inf))
+    # Sides before points: the maximum runs along memory.
+    outside = plane.outline[:, :2] @ along.T
+    outside += plane.outline[:, 2:]
+    return np.asarray(outside.max(axis=0, initial=-np.inf))
 
 
 def level_plane(region: PlanarRegion) -> SupportingPlane | None:
