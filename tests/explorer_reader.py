@@ -31,13 +31,13 @@ def window_on(browser, session: Session) -> Iterator["Window"]:
     telling = Telling(session, remember=False)
     server = ExplorerServer(telling)
     server.start()
-    window = Window(browser, server.address)
-    window.page.goto(window.address)
-    window.page.wait_for_selector("html[data-ready]", state="attached")
     try:
+        window = Window(browser, server.address)
+        window.page.goto(window.address)
+        window.page.wait_for_selector("html[data-ready]", state="attached")
         yield window
-    finally:
         window.close()
+    finally:
         session.close()
         server.stop()
         telling.close()

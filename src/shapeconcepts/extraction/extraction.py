@@ -6,13 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shapeconcepts.extraction.background import is_background
-from shapeconcepts.extraction.component_kernels import flying_pixels
+from shapeconcepts.extraction.component_kernels import flying_pixels, near_pairs
 from shapeconcepts.extraction.creases import have_creases
 from shapeconcepts.extraction.depth_noise import depth_noises
 from shapeconcepts.extraction.extracted_object import ExtractedObject
 from shapeconcepts.extraction.fragments import find_fragments, joined
 from shapeconcepts.extraction.gravity import upward
 from shapeconcepts.extraction.heights import Heights, measure_heights
+from shapeconcepts.extraction.hollow import hollow_pairs
 from shapeconcepts.extraction.interlocking import interlocked_pairs
 from shapeconcepts.extraction.pixel_grid import ScenePixels, scene_pixels
 from shapeconcepts.extraction.planar_regions import PlanarRegion, planar_regions
@@ -77,6 +78,8 @@ def extract_objects(scene: Scene, *, fewest_points: int = FEWEST_POINTS) -> list
     is_free &= ~flying_pixels(grid.distances, grid.jumps)
     is_free &= ~is_background(grid, found.regions, planes, noises)
     numbers, n = find_fragments(grid, heights, is_free, noises)
+    beside = near_pairs(numbers, n, grid.points, np.full(numbers.shape, np.inf, np.float32), 2)
+    numbers, n = joined(numbers, n, hollow_pairs(numbers, n, beside, grid, heights))
     n_together = n
     n = part_stacked(numbers, n, grid, _level_parts(found.regions, planes), noises)
     may_join = _stand_on_surface(numbers, n, heights) & (np.arange(n) < n_together)

@@ -17,9 +17,7 @@ from shapeconcepts.extraction.component_kernels import (
     near_pairs,
 )
 from shapeconcepts.extraction.heights import Heights
-from shapeconcepts.extraction.hollow import hollow_pairs
 from shapeconcepts.extraction.pixel_grid import PixelGrid
-from shapeconcepts.extraction.slender import go_on_along_lines
 
 # Metres above the surface from which on something is tall: it does not end in the noise of the surface.
 TALL = 0.018
@@ -88,13 +86,9 @@ def find_fragments(
         )
         near &= _pairs_of_things(numbers, n_tall, grid, heights)
         numbers, n_tall = joined(numbers, n_tall, near)
-        everywhere = np.full(distances.shape, np.inf, np.float32)
-        adjacent = near_pairs(numbers, n_tall, points, everywhere, 2)
-        adjacent *= _pairs_of_things(numbers, n_tall, grid, heights)
-        together = hollow_pairs(numbers, n_tall, adjacent, grid, heights)
         beside = near_pairs(numbers, n_tall, points, np.full(distances.shape, APART, np.float32), 2)
         beside *= _pairs_of_things(numbers, n_tall, grid, heights)
-        together |= _floating_pairs(numbers, n_tall, beside, grid, heights)
+        together = _floating_pairs(numbers, n_tall, beside, grid, heights)
         numbers, n_tall = joined(numbers, n_tall, together)
     is_low = is_free & heights.is_high & ~is_tall
     with_foot = numbers.copy()
@@ -109,7 +103,6 @@ def find_fragments(
         numbers = np.where((low >= 0) & (with_foot >= 0), with_foot, numbers)
     grow_components(numbers, is_free & heights.is_above, distances, jumps, _GROWTH)
     _trim(numbers, n_tall, n_tall + n_low, heights)
-    go_on_along_lines(numbers, n_tall, n_tall + n_low, grid, heights)
     _fill(numbers, n_tall + n_low, grid, heights)
     return numbers, n_tall + n_low
 

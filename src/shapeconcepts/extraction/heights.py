@@ -22,7 +22,6 @@ HIGH, LOW = 3.6, 2.0
 _LEAST_HIGH, _LEAST_LOW = 0.0025, 0.0012
 # Pixels around the middle one.
 _WINDOW = 2
-WINDOW_PIXELS = (2 * _WINDOW + 1) ** 2
 # Lines of so many places, pixels from one to the next, and directions. Standard deviations by which a place
 # is high, by which the mean of its line is, and from which on more does not count; metres of what is tall.
 _PLACES, _PLACE, _DIRECTIONS = 5, 3, 16
