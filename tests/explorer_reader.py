@@ -110,6 +110,10 @@ class Window:
 def opened(browser, address: str) -> Iterator[Window]:
     """A window on the model as it was learned."""
     window = Window(browser, address).open()
+    # What is found out meanwhile changes the order of scans.
+    window.page.wait_for_function(
+        "() => ![...document.querySelectorAll('#left .count')].some((count) => count.textContent === '…')"
+    )
     while window.state()["canUndo"]:
         window.edit(kind="undo")
     window.made(0)
