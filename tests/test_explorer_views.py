@@ -35,6 +35,19 @@ def test_concepts_come_first_with_pictures(window):
     assert all(url.startswith(window.address) or url.startswith("data:") for url in window.requests)
 
 
+def test_pictures_that_take_their_time_are_said_to(window):
+    page, held, is_over = window.page, [], []
+    assert page.locator("#drawing").is_hidden()
+    page.route("**/api/previews*", lambda route: route.continue_() if is_over else held.append(route))
+    page.goto(window.address)
+    page.wait_for_selector("#drawing", state="visible")
+    is_over.append(True)
+    for route in held:
+        route.continue_()
+    page.wait_for_selector("#drawing", state="hidden")
+    assert window.complaints == []
+
+
 def known_names(window: Window) -> list[str]:
     return window.page.evaluate(
         "fetch('api/model').then(answer => answer.json()).then(model => model.scans.names)"

@@ -86,9 +86,15 @@ function fetchWanted() {
   while (rows.length && batches.size < 2) fetchBatch(rows.splice(0, BATCH));
 }
 
+// The first ones of an installation wait until kernels are compiled.
+const LONG = 4000;
+const drawing = element("p", { id: "drawing", role: "status", hidden: true, textContent: "drawing … the first time, kernels are compiled, which takes up to a minute" });
+document.body.append(drawing);
+
 async function fetchBatch(rows) {
   const batch = { rows, abort: new AbortController() };
   batches.add(batch);
+  const late = setTimeout(() => { drawing.hidden = false; }, LONG);
   try {
     const answer = await asked(`previews?rows=${rows.join(",")}`, { signal: batch.abort.signal });
     const made = await answer.arrayBuffer();
@@ -97,7 +103,9 @@ async function fetchBatch(rows) {
     if (failure instanceof Refusal && failure.status !== 503 && !batch.abort.signal.aborted) rows.forEach((row) => records.set(row, null));
     else if (failure.name !== "AbortError") await pause(500);
   } finally {
+    clearTimeout(late);
     batches.delete(batch);
+    drawing.hidden = batches.size === 0 || drawing.hidden;
     pump();
   }
 }
