@@ -140,8 +140,10 @@
       box.replaceChildren(element("h2", { className: "left-title", textContent: "From coarse to fine" }), canvas, range, element("div", { className: "slider-note" }, note, buttons));
     }
     colourBands();
+    // Where it was moved a moment ago, what it shows comes with the next frame.
+    if (isMoving) return;
     if (passing?.kind !== "cut") reset();
     else { pass(shownCut(stops[range.value])); describe(); }
   });
-  onPlace(() => { if (bandsOf === known && passing === null && Number(range.value) !== stopOf(current.granularity)) reset(); });
+  onPlace(() => { if (bandsOf === known && !isMoving && passing === null && Number(range.value) !== stopOf(current.granularity)) reset(); });
 })();
