@@ -1,6 +1,7 @@
 """Memory that was let go of goes back to the system."""
 
 import platform
+from mmap import PAGESIZE
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from shapeconcepts.heap import give_back
 
 def resident() -> int:
     """Memory of this process that is really there, in bytes."""
-    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
+    return int(Path("/proc/self/statm").read_text().split()[1]) * PAGESIZE
 
 
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="other allocators are left alone")

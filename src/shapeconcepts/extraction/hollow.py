@@ -41,8 +41,11 @@ def hollow_pairs(
     """
     pairs = np.zeros((n, n), bool)
     flat, points, height = numbers.ravel(), grid.points.reshape(-1, 3), heights.height.ravel()
-    for one, other in np.argwhere(np.triu(adjacent, 1) >= _LEAST_ADJACENT):
-        parts = [np.flatnonzero((flat == part) & np.isfinite(height)) for part in (one, other)]
+    beside = np.argwhere(np.triu(adjacent, 1) >= _LEAST_ADJACENT)
+    is_measured = np.isfinite(height)
+    members = {part: np.flatnonzero((flat == part) & is_measured) for part in np.unique(beside).tolist()}
+    for one, other in beside.tolist():
+        parts = [members[one], members[other]]
         if min(map(len, parts)) < _FEWEST_POINTS:
             continue
         tops = [float(np.quantile(height[part], 0.98)) for part in parts]

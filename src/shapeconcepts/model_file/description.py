@@ -39,28 +39,13 @@ def check_description(description: dict[str, Any], n_scans: int, n_concepts: int
     stages = description["stages"]
     require(isinstance(stages, dict), f"stages must be a JSON object, got {stages!r:.60}")
     check_names("stage", set(stages), STAGES)
-    skipped = description["skipped"]
-    require(isinstance(skipped, list), f"skipped must be a list, got {_outline(skipped)}")
-    for entry in skipped:
-        is_pair = isinstance(entry, list) and len(entry) == 2
-        require(
-            is_pair and type(entry[0]) is int and isinstance(entry[1], str),
-            f"skipped must hold numbers of scans with a reason, got {entry!r:.60}",
-        )
-    numbers = [entry[0] for entry in skipped]
+    numbers = _numbers_with_text(description, "skipped", "scans with a reason")
     is_rising = numbers == sorted(set(numbers)) and all(0 <= number < n_scans for number in numbers)
     require(
         is_rising and len(numbers) < n_scans,
         f"skipped must name some of the scans 0 to {n_scans - 1}, rising, got {numbers!r:.60}",
     )
-    names = description["group_names"]
-    require(isinstance(names, list), f"group_names must be a list, got {_outline(names)}")
-    for entry in names:
-        is_pair = isinstance(entry, list) and len(entry) == 2
-        require(
-            is_pair and type(entry[0]) is int and isinstance(entry[1], str),
-            f"group_names must hold numbers of groups with a name, got {entry!r:.60}",
-        )
+    _numbers_with_text(description, "group_names", "groups with a name")
     for field in ("concept_time", "epsilon_max", "granularity", "largest_divergence"):
         value = description[field]
         require(
@@ -72,6 +57,19 @@ def check_description(description: dict[str, Any], n_scans: int, n_concepts: int
         has_time == (n_concepts > 0),
         f"concept_time must be a number where there are concepts, and only there: {n_concepts} concepts",
     )
+
+
+def _numbers_with_text(description: dict[str, Any], field: str, what: str) -> list[int]:
+    """Numbers of a field that must hold pairs of a number and a text."""
+    pairs = description[field]
+    require(isinstance(pairs, list), f"{field} must be a list, got {_outline(pairs)}")
+    for entry in pairs:
+        is_pair = isinstance(entry, list) and len(entry) == 2
+        require(
+            is_pair and type(entry[0]) is int and isinstance(entry[1], str),
+            f"{field} must hold numbers of {what}, got {entry!r:.60}",
+        )
+    return [number for number, _ in pairs]
 
 
 def _outline(value: object) -> str:
